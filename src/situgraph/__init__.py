@@ -1,0 +1,70 @@
+"""situgraph locates a robot in its building by matching scene graphs.
+
+The public names are loaded on first use, so that ``import situgraph`` is quick.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+# public name -> the module it comes from
+_HOME = {
+    "ConfigError": "situgraph.errors",
+    "InputError": "situgraph.errors",
+    "MissingExtraError": "situgraph.errors",
+    "SituGraphError": "situgraph.errors",
+    "Placement": "situgraph.geometry.poses",
+    "SceneGraph": "situgraph.scenegraph.graph",
+    "Settings": "situgraph.config",
+    "load_settings": "situgraph.config",
+    "load": "situgraph.api",
+    "match": "situgraph.api",
+    "read_plan": "situgraph.api",
+    "save": "situgraph.api",
+    "Matcher": "situgraph.matching",
+    "MatchResult": "situgraph.matching",
+    "PlanIndex": "situgraph.matching",
+}
+
+__all__ = [
+    "ConfigError",
+    "InputError",
+    "MatchResult",
+    "Matcher",
+    "MissingExtraError",
+    "Placement",
+    "PlanIndex",
+    "SceneGraph",
+    "Settings",
+    "SituGraphError",
+    "__version__",
+    "load",
+    "load_settings",
+    "match",
+    "read_plan",
+    "save",
+]
+
+if TYPE_CHECKING:
+    from situgraph.api import load, match, read_plan, save
+    from situgraph.config import Settings, load_settings
+    from situgraph.errors import ConfigError, InputError, MissingExtraError, SituGraphError
+    from situgraph.geometry.poses import Placement
+    from situgraph.matching import Matcher, MatchResult, PlanIndex
+    from situgraph.scenegraph.graph import SceneGraph
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its module when it is first asked for."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'situgraph' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

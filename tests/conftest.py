@@ -1,0 +1,37 @@
+"""Fixtures that every stage's tests share."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+# Simple numeric kernels: one thread each keeps runs repeatable and two test processes apart.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    """The root of the working tree."""
+    return REPOSITORY
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The real inputs beside the repository; a test that asks for them is marked ``external``."""
+    folder = REPOSITORY.parent / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip("the real inputs are not beside the repository (../shared/data)")
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """No test reads or fills the user's plan cache."""
+    folder = tmp_path_factory.getbasetemp() / "situgraph-cache"
+    monkeypatch.setenv("SITUGRAPH_CACHE", str(folder))
+    return folder
