@@ -6,10 +6,15 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 # Simple numeric kernels: one thread each keeps runs repeatable and two test processes apart.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("MPLBACKEND", "Agg")
+
+# The same examples in every run, and none that fails for being slow on a busy machine.
+settings.register_profile("situgraph", deadline=None, derandomize=True)
+settings.load_profile("situgraph")
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 

@@ -1,1 +1,1 @@
-"""Pure functions on arrays: poses, planes, ellipsoids. No situgraph type appears here but Placement."""
+"""Pure functions on arrays: poses, planes, ellipsoids."""

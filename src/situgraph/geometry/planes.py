@@ -11,20 +11,19 @@ from situgraph.geometry.poses import Array
 def signed_distance(points: ArrayLike, normals: ArrayLike, offsets: ArrayLike) -> Array:
     """Distances (points, planes) in metres, positive on the side the normals point to."""
     p = np.asarray(points, dtype=float)
-    return p @ np.asarray(normals, dtype=float).T + np.asarray(offsets, dtype=float)
+    distances: Array = p @ np.asarray(normals, dtype=float).T + np.asarray(offsets, dtype=float)
+    return distances
 
 
-def orient_towards(
-    normals: ArrayLike, offsets: ArrayLike, point: ArrayLike
-) -> tuple[Array, Array]:
-    """The same planes (n, k), (n,) with every normal turned to the side where ``point`` (k,) lies."""
+def orient_towards(normals: ArrayLike, offsets: ArrayLike, point: ArrayLike) -> tuple[Array, Array]:
+    """The same planes (n, k), (n,) with each normal turned to the side of ``point`` (k,)."""
     n, d = np.asarray(normals, dtype=float), np.asarray(offsets, dtype=float)
     sign = np.where(n @ np.asarray(point, dtype=float) + d < 0.0, -1.0, 1.0)
     return n * sign[:, None], d * sign
 
 
 def plan_view(normals: ArrayLike, offsets: ArrayLike) -> tuple[Array, Array]:
-    """Vertical planes (n, 3), (n,) as lines in the plan (n, 2), (n,): tilt removed, then unit again.
+    """Vertical planes (n, 3), (n,) as lines in the plan (n, 2), (n,): tilt removed, unit again.
 
     The offset is rescaled with the normal, so the line is the plane's cut with z = 0.
     """

@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 
 def wrap_angle(angle: ArrayLike) -> Array:
     """Angles wrapped to [-pi, pi)."""
-    return (np.asarray(angle, dtype=float) + np.pi) % (2.0 * np.pi) - np.pi
+    wrapped: Array = (np.asarray(angle, dtype=float) + np.pi) % (2.0 * np.pi) - np.pi
+    return wrapped
 
 
 def rotation2(yaw: float) -> Array:
@@ -114,4 +115,5 @@ def matrix_to_pose(matrix: ArrayLike) -> Array:
 def yaw_of(pose: ArrayLike) -> Array:
     """Yaw (...,) of poses (..., 7)."""
     x, y, z, w = np.moveaxis(np.asarray(pose, dtype=float)[..., 3:], -1, 0)
-    return np.arctan2(2 * (x * y + z * w), 1 - 2 * (y * y + z * z))
+    yaw: Array = np.arctan2(2 * (x * y + z * w), 1 - 2 * (y * y + z * z))
+    return yaw

@@ -46,11 +46,17 @@ _COCO = {
     "window": "window", "sink": "sink", "toilet": "toilet", "refrigerator": "refrigerator",
     "oven": "stove", "microwave": "microwave", "tv": "screen", "clock": "clock",
     "mirror-stuff": "mirror", "stairs": "stairs", "shelf": "shelf", "cabinet-merged": "cabinet",
-    "table-merged": "table", "chair": "chair", "couch": "sofa", "bed": "bed", "dining table": "table",
-    "light": "light",
+    "table-merged": "table", "chair": "chair", "couch": "sofa", "bed": "bed",
+    "dining table": "table", "light": "light",
 }  # fmt: skip
 
-_OSM = {"door": "door", "entrance": "door", "window": "window", "elevator": "elevator", "stairs": "stairs"}
+_OSM = {
+    "door": "door",
+    "entrance": "door",
+    "window": "window",
+    "elevator": "elevator",
+    "stairs": "stairs",
+}
 
 SCHEMES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {

@@ -1,6 +1,6 @@
 """Scene-graph JSON, version 1: reading, writing and the dictionary form.
 
-``docs/graph-format.md`` describes the format; ``schema.json`` beside this module is its JSON Schema.
+``docs/graph-format.md`` describes the format; ``schema.json`` beside this module is its schema.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ MAX_BYTES = 1 << 29  # 512 MiB: several hundred thousand rooms; more is not a sc
 class Document(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     """The JSON document: a scene graph with its format and version, where lists may be null."""
 
-    format: Literal["situgraph/scene-graph"] = msgspec.field(default=msgspec.NODEFAULT)
-    version: Literal[1] = msgspec.field(default=msgspec.NODEFAULT)
+    format: Literal["situgraph/scene-graph"]
+    version: Literal[1]
     name: str | None = None
-    kind: Literal["prior", "online"] = msgspec.field(default=msgspec.NODEFAULT)
+    kind: Literal["prior", "online"]
     storeys: tuple[Storey, ...] | None = ()
-    rooms: tuple[Room, ...] = msgspec.field(default=msgspec.NODEFAULT)
-    planes: tuple[Plane, ...] = msgspec.field(default=msgspec.NODEFAULT)
+    rooms: tuple[Room, ...]
+    planes: tuple[Plane, ...]
     objects: tuple[Object, ...] | None = ()
     keyframes: tuple[Keyframe, ...] | None = ()
     warnings: tuple[Warning, ...] | None = ()
@@ -169,7 +169,7 @@ def from_dict(document: Mapping[str, Any], source: object = "graph") -> SceneGra
 
 def json_schema() -> dict[str, Any]:
     """The JSON Schema (2020-12) of the format, made from the types."""
-    schema = msgspec.json.schema(Document)
+    schema = msgspec.json.decode(_encoder.encode(msgspec.json.schema(Document)))
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "situgraph scene graph, version 1",

@@ -49,7 +49,7 @@ class Room(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Plane(msgspec.Struct, frozen=True, omit_defaults=True):
-    """One face of a wall: unit ``normal`` into the room, ``offset`` (m), plan-view ``extent`` (m)."""
+    """One face of a wall: unit ``normal`` into the room, ``offset`` and plan ``extent`` (m)."""
 
     id: str
     normal: Vec3
@@ -61,14 +61,14 @@ class Plane(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Ellipsoid(msgspec.Struct, frozen=True):
-    """Semi-axes (m) and the rotation ``qx qy qz qw`` from the ellipsoid's axes to the graph's frame."""
+    """Semi-axes (m) and the rotation ``qx qy qz qw`` from its axes to the graph's frame."""
 
     axes: Vec3
     rotation: Vec4 = (0.0, 0.0, 0.0, 1.0)
 
 
 class Object(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A thing with a category; ``rooms`` and ``planes`` are its relations *in room* and *on plane*."""
+    """A thing with a category; ``rooms``, ``planes``: its relations *in room*, *on plane*."""
 
     id: str
     category: str
@@ -98,7 +98,7 @@ class Warning(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class SceneGraph(msgspec.Struct, frozen=True, dict=True):
-    """A scene graph. ``kind`` says where it comes from and never decides what may be done with it."""
+    """A scene graph; ``kind`` says where it comes from and never decides what may be done."""
 
     name: str | None = None
     kind: Literal["prior", "online"] = "prior"
@@ -134,12 +134,12 @@ class SceneGraph(msgspec.Struct, frozen=True, dict=True):
     @cached_property
     def objects_by_room(self) -> Mapping[str, tuple[Object, ...]]:
         """The objects related to each room that has any."""
-        return _group(((o, r) for o in self.objects for r in o.rooms))
+        return _group((o, r) for o in self.objects for r in o.rooms)
 
     @cached_property
     def objects_by_plane(self) -> Mapping[str, tuple[Object, ...]]:
         """The objects related to each plane that has any."""
-        return _group(((o, p) for o in self.objects for p in o.planes))
+        return _group((o, p) for o in self.objects for p in o.planes)
 
     @cached_property
     def rooms_by_plane(self) -> Mapping[str, tuple[str, ...]]:

@@ -50,7 +50,9 @@ def from_networkx(source: nx.Graph[Any]) -> SceneGraph:
     for key, attributes in source.nodes(data=True):
         kind, data = attributes.get("kind"), attributes.get("data")
         if kind not in found or data is None:
-            raise InputError("networkx graph", f"node {key!r} has no kind or data", "use to_networkx")
+            raise InputError(
+                "networkx graph", f"node {key!r} has no kind or data", "use to_networkx"
+            )
         found[kind].append((attributes.get("order", len(found[kind])), data))
     nodes = {k: [n for _, n in sorted(v, key=lambda item: item[0])] for k, v in found.items()}
     rooms = {r.id for r in nodes["room"]}

@@ -19,7 +19,9 @@ def transformed(graph: SceneGraph, placement: Placement) -> SceneGraph:
             p,
             normal=_triple(n),
             offset=float(d),
-            extent=None if p.extent is None else (_pair(placement, p.extent[0]), _pair(placement, p.extent[1])),
+            extent=None
+            if p.extent is None
+            else (_pair(placement, p.extent[0]), _pair(placement, p.extent[1])),
         )
         for p, n, d in zip(graph.planes, normals, offsets, strict=True)
     )

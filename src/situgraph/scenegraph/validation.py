@@ -22,7 +22,7 @@ def validate(graph: SceneGraph, source: object = "graph") -> SceneGraph:
     """Check a graph; return it, with warnings added where something is odd.
 
     Raises:
-        InputError: ids double or dangling, numbers not finite, normals not unit, lengths not metres.
+        InputError: ids double or dangling, numbers not finite, normals not unit, not metres.
     """
     for kind in ("storeys", "rooms", "planes", "objects", "keyframes"):
         _unique(kind, [node.id for node in getattr(graph, kind)], source)
@@ -43,7 +43,9 @@ def _unique(kind: str, ids: Sequence[str], source: object) -> None:
     for position, key in enumerate(ids):
         if key in first:
             place = f"{kind}[{position}].id"
-            raise _fail(source, place, f'"{key}" is already the id of {kind}[{first[key]}]', "rename one")
+            raise _fail(
+                source, place, f'"{key}" is already the id of {kind}[{first[key]}]', "rename one"
+            )
         first[key] = position
 
 
@@ -68,7 +70,9 @@ def _numbers(graph: SceneGraph, source: object) -> None:
     for i, plane in enumerate(graph.planes):
         length = math.sqrt(sum(v * v for v in plane.normal))
         if abs(length - 1.0) > UNIT_TOLERANCE:
-            kind = "a zero normal" if length < UNIT_TOLERANCE else f"a normal of length {length:.4g}"
+            kind = (
+                "a zero normal" if length < UNIT_TOLERANCE else f"a normal of length {length:.4g}"
+            )
             raise _fail(source, f"planes[{i}].normal", f"{kind}, expected unit length")
         if plane.extent is not None and not all(math.isfinite(v) for p in plane.extent for v in p):
             raise _fail(source, f"planes[{i}].extent", "expected finite numbers")
@@ -76,9 +80,12 @@ def _numbers(graph: SceneGraph, source: object) -> None:
         if item.ellipsoid is None:
             continue
         if not all(math.isfinite(v) and v > 0.0 for v in item.ellipsoid.axes):
-            raise _fail(source, f"objects[{i}].ellipsoid.axes", "expected positive finite semi-axes")
+            raise _fail(
+                source, f"objects[{i}].ellipsoid.axes", "expected positive finite semi-axes"
+            )
         if abs(math.hypot(*item.ellipsoid.rotation) - 1.0) > UNIT_TOLERANCE:
-            raise _fail(source, f"objects[{i}].ellipsoid.rotation", "expected a unit quaternion")
+            place = f"objects[{i}].ellipsoid.rotation"
+            raise _fail(source, place, "expected a unit quaternion")
     for i, frame in enumerate(graph.keyframes):
         if abs(math.hypot(*frame.pose[3:]) - 1.0) > UNIT_TOLERANCE:
             raise _fail(source, f"keyframes[{i}].pose", "expected x y z and a unit quaternion")
@@ -99,7 +106,9 @@ def _references(graph: SceneGraph, source: object) -> None:
         for j, plane in enumerate(room.planes):
             if plane not in planes:
                 place = f"rooms[{i}].planes[{j}]"
-                raise _fail(source, place, f'no plane has the id "{plane}"', "add it or drop the reference")
+                raise _fail(
+                    source, place, f'no plane has the id "{plane}"', "add it or drop the reference"
+                )
         if len(set(room.planes)) < len(room.planes):
             raise _fail(source, f"rooms[{i}].planes", "the same plane twice")
     for i, item in enumerate(graph.objects):
@@ -143,9 +152,12 @@ def _with_odd_faces(graph: SceneGraph) -> SceneGraph:
             (x0, y0), (x1, y1) = plane.extent
             x = (x0 + x1) / 2 + FACE_SLACK * plane.normal[0]
             y = (y0 + y1) / 2 + FACE_SLACK * plane.normal[1]
-            behind = (x - 2 * FACE_SLACK * plane.normal[0], y - 2 * FACE_SLACK * plane.normal[1])
+            nx, ny, _ = plane.normal
+            behind = (x - 2 * FACE_SLACK * nx, y - 2 * FACE_SLACK * ny)
             if not _inside(x, y, room.footprint) and _inside(*behind, room.footprint):
-                message = f"room {room.id} lies behind its face {key}: the normal points out of the room"
+                message = (
+                    f"room {room.id} lies behind its face {key}: the normal points out of the room"
+                )
                 found.append(Warning("face-behind-room", message, (room.id, key)))
     return graph.replace(warnings=(*graph.warnings, *found)) if found else graph
 
