@@ -38,13 +38,9 @@ def test_overlap_agrees_with_a_nearest_point_search(first, second, seed, offset)
         return x @ inverse @ x
 
     towards = np.linalg.solve(half, d)
-    best = min(
-        minimize(reach, start, method="Nelder-Mead", options={"xatol": 1e-8, "fatol": 1e-10}).fun
-        for start in (
-            np.zeros(3),
-            np.linalg.solve(half, d) / (1e-9 + np.linalg.norm(np.linalg.solve(half, d))),
-        )
-    )
+    starts = (np.zeros(3), towards / (1e-9 + np.linalg.norm(towards)))
+    options = {"xatol": 1e-8, "fatol": 1e-10}
+    best = min(minimize(reach, x, method="Nelder-Mead", options=options).fun for x in starts)
     assume(abs(best - 1.0) > 1e-3)
     assert ellipsoids.overlap(d, a, b) == (best < 1.0)
 

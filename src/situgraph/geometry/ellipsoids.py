@@ -36,8 +36,8 @@ def fit(points: ArrayLike, floor: float = 0.05, trim: float = 0.02) -> tuple[Arr
 
     The covariance ellipsoid: semi-axes are sqrt(3) standard deviations, so a face that is covered
     evenly reaches its rim; never thinner than ``floor`` (m). The share ``trim`` of the points
-    that is farthest by Mahalanobis distance is left out of a second fit: a minimum-volume ellipsoid would
-    follow single stray points.
+    that is farthest by Mahalanobis distance is left out of a second fit: a minimum-volume
+    ellipsoid would follow single stray points.
 
     Raises:
         ValueError: no points.
