@@ -1,0 +1,193 @@
+"""The Python interface: read any graph, save it, match one with another.
+
+``situgraph`` re-exports these names; each command of the command line is a shell over one of them.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from situgraph.errors import InputError
+
+if TYPE_CHECKING:
+    from situgraph.io.g2o import Part
+    from situgraph.matching import MatchingConfig, MatchResult, PlanIndex
+    from situgraph.plan.config import PlanConfig
+    from situgraph.scenegraph.graph import SceneGraph
+
+Semantics = Literal["none", "containment", "likelihood"]
+PathLike = str | os.PathLike[str]
+
+_BY_SUFFIX = {
+    ".json": "json",
+    ".ifc": "ifc",
+    ".osm": "osm",
+    ".g2o": "g2o",
+}
+_READABLE = (
+    "name a scene graph (.json), a building model (.ifc), an indoor map (.osm) or a .g2o log"
+)
+
+
+def load(path: PathLike, part: Part | None = None, *, plan: PlanConfig | None = None) -> SceneGraph:
+    """The scene graph in a file of any readable kind; what the file holds decides, then its name.
+
+    Args:
+        path: scene-graph JSON, IFC, OSM indoor map, or S-Graphs+ ``.g2o``.
+        part: of a ``.g2o``, the ``"free"`` or the ``"fixed"`` part (default: the free one, unless
+            only the other has rooms); no other kind has parts.
+        plan: settings for building models.
+
+    Raises:
+        InputError: no such file, a folder, an empty or unknown file, or one its reader refuses.
+    """
+    source = Path(path)
+    kind = _kind(source)
+    if kind == "json":
+        from situgraph.scenegraph.codec import read_json
+
+        return read_json(source)
+    if kind == "g2o":
+        from situgraph.io.g2o import read_g2o
+
+        return read_g2o(source, part)
+    return read_plan(source, plan)
+
+
+def load_prior(
+    path: PathLike, part: Part | None = None, *, plan: PlanConfig | None = None
+) -> SceneGraph:
+    """A graph in the role of PRIOR: of a ``.g2o`` the FIXed part if it has rooms, else the free one.
+
+    Raises:
+        InputError: as ``load``.
+    """
+    source = Path(path)
+    if part is None and _kind(source) == "g2o":
+        from situgraph.io.g2o import read_g2o
+
+        return read_g2o(source, prefer="fixed")
+    return load(source, part, plan=plan)
+
+
+def save(graph: SceneGraph, path: PathLike) -> None:
+    """Write a graph as scene-graph JSON; the file appears whole or not at all.
+
+    Raises:
+        InputError: the name ends like another kind of file, the graph is not valid, or the file
+            cannot be written.
+    """
+    from situgraph.scenegraph.codec import write_json
+
+    target = Path(path)
+    if _BY_SUFFIX.get(target.suffix.lower(), "json") != "json":
+        problem = f"a scene graph is written as JSON, not as {target.suffix}"
+        raise InputError(target, problem, f"name it {target.with_suffix('.json').name}")
+    write_json(graph, target)
+
+
+def read_plan(
+    path: PathLike, config: PlanConfig | None = None, *, cached: bool = True
+) -> SceneGraph:
+    """The A-Graph of a building: from an IFC file or an OSM indoor map, else as ``load_prior``.
+
+    An IFC file that was read before with the same settings and version comes from the user's cache.
+
+    Raises:
+        InputError: as ``load``.
+    """
+    source = Path(path)
+    kind = _kind(source)
+    if kind == "osm":
+        from situgraph.plan.osmag import read_osm
+
+        return read_osm(source)
+    if kind != "ifc":
+        return load_prior(source)
+    from situgraph.plan.config import PlanConfig
+
+    settings = config or PlanConfig()
+    return _cached_ifc(source, settings) if cached else _read_ifc(source, settings)
+
+
+def match(
+    online: SceneGraph,
+    index: PlanIndex | SceneGraph,
+    semantics: Semantics = "likelihood",
+    config: MatchingConfig | None = None,
+) -> MatchResult:
+    """Every placement of the online graph in the plan, and whether it is the only one.
+
+    Args:
+        online: scene graph in the map frame.
+        index: the plan, indexed once with ``PlanIndex(prior)``; a bare graph is indexed here.
+        semantics: ``"none"``, ``"containment"`` (the paper's filter) or ``"likelihood"``.
+        config: tolerances and rates; the same for every input.
+
+    Raises:
+        InputError: the online graph has no room to match.
+    """
+    from situgraph import matching
+
+    if not isinstance(index, matching.PlanIndex):
+        index = matching.PlanIndex(index, config)
+    return matching.match(online, index, semantics=semantics, config=config)
+
+
+def _read_ifc(source: Path, config: PlanConfig) -> SceneGraph:
+    from situgraph.plan.ifc import read_ifc
+
+    return read_ifc(source, config)
+
+
+def _cached_ifc(source: Path, config: PlanConfig) -> SceneGraph:
+    import msgspec
+
+    from situgraph import __version__
+    from situgraph.cache import content_key, plan_cache
+    from situgraph.scenegraph.codec import decode, encode
+
+    cache = plan_cache()
+    # The name is part of the key because the graph is named after the file.
+    key = content_key(source, __version__, source.name, msgspec.json.encode(config).decode())
+    kept = cache.get(key)
+    if kept is not None:
+        try:
+            return decode(kept, source)
+        except InputError:
+            pass  # the entry was damaged: read the model again
+    graph = _read_ifc(source, config)
+    cache.put(key, encode(graph))
+    return graph
+
+
+def _kind(path: Path) -> str:
+    """What kind of graph the file holds: json, ifc, osm or g2o."""
+    try:
+        with open(path, "rb") as file:
+            head = file.read(4096)
+    except FileNotFoundError:
+        raise InputError(path, "no such file", "check the path") from None
+    except IsADirectoryError:
+        raise InputError(path, "is a folder, not a graph", _READABLE) from None
+    except (OSError, ValueError) as error:
+        raise InputError(path, f"cannot be read ({error})", "check the path") from None
+    if not head.strip(b"\0 \t\r\n"):
+        problem = "is empty" if not head else "holds nothing but zeros or blanks"
+        raise InputError(path, problem, _READABLE)
+    text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    if text.startswith(b"ISO-10303-21"):
+        return "ifc"
+    if text.startswith((b"{", b"[")):
+        return "json"
+    if re.match(rb"(VERTEX_|EDGE_|FIX\s|PARAMS_)", text):
+        return "g2o"
+    if re.match(rb"<(\?xml|osm|!--)", text) and b"<osm" in head:
+        return "osm"
+    kind = _BY_SUFFIX.get(path.suffix.lower())
+    if kind is None:
+        raise InputError(path, "is no kind of graph situgraph reads", _READABLE)
+    return kind
