@@ -14,7 +14,8 @@ from situgraph.errors import InputError
 
 if TYPE_CHECKING:
     from situgraph.io.g2o import Part
-    from situgraph.matching import MatchingConfig, MatchResult, PlanIndex
+    from situgraph.matching import MatchResult, PlanIndex
+    from situgraph.matching.config import MatchingConfig
     from situgraph.plan.config import PlanConfig
     from situgraph.scenegraph.graph import SceneGraph
 
@@ -60,7 +61,7 @@ def load(path: PathLike, part: Part | None = None, *, plan: PlanConfig | None = 
 def load_prior(
     path: PathLike, part: Part | None = None, *, plan: PlanConfig | None = None
 ) -> SceneGraph:
-    """A graph in the role of PRIOR: of a ``.g2o`` the FIXed part if it has rooms, else the free one.
+    """A graph in the role of PRIOR: of a ``.g2o`` the FIXed part, or the free one if none is FIXed.
 
     Raises:
         InputError: as ``load``.

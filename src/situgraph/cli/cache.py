@@ -12,7 +12,7 @@ from situgraph.cli.options import json_option
 @click.option("--clear", is_flag=True, help="Remove everything that is cached.")
 @json_option
 def command(clear: bool, as_json: bool) -> None:
-    """What is cached (plans read before, compiled code), or --clear it. $SITUGRAPH_CACHE moves it."""
+    """What is cached: plans read before, compiled code. $SITUGRAPH_CACHE names another folder."""
     from situgraph.cache import cache_use, clear_cache
 
     use = clear_cache() if clear else cache_use()

@@ -60,27 +60,36 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[obje
 
 
 @contextlib.contextmanager
-def progress(
-    description: str, total: int | None = None, *, quiet: bool = False
-) -> Iterator[Advance]:
-    """A progress bar on stderr; yields ``advance(steps)``. Silent when quiet or not a terminal."""
+def counter(
+    description: str, *, quiet: bool = False
+) -> Iterator[Callable[[int, int | None], None]]:
+    """A progress bar on stderr; yields ``report(done, total)``. Silent like ``progress``."""
     if quiet or not sys.stderr.isatty():
-        yield _nothing
+        yield lambda done, total: None
         return
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, TimeElapsedColumn(), console=console(), transient=True) as bar:
-        task = bar.add_task(description, total=total)
+        task = bar.add_task(description, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextlib.contextmanager
+def progress(
+    description: str, total: int | None = None, *, quiet: bool = False
+) -> Iterator[Advance]:
+    """A progress bar on stderr; yields ``advance(steps)``. Silent when quiet or not a terminal."""
+    done = 0
+    with counter(description, quiet=quiet) as report:
 
         def advance(steps: int = 1) -> None:
-            bar.advance(task, steps)
+            nonlocal done
+            done += steps
+            report(done, total)
 
+        report(0, total)
         yield advance
-
-
-def _nothing(steps: int = 1) -> None:
-    pass
 
 
 def _cell(value: object, escape: Callable[[str], str]) -> str:
