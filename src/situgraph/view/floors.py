@@ -1,0 +1,157 @@
+"""A scene graph sorted into storeys, with everything worked out that a drawing needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import msgspec
+import numpy as np
+
+from situgraph.errors import InputError
+from situgraph.geometry.poses import Array
+from situgraph.scenegraph.graph import Object, SceneGraph, Storey
+from situgraph.view.config import ViewConfig
+from situgraph.view.faces import Faces, wall_faces
+from situgraph.view.openings import Opening, place_openings
+from situgraph.view.outlines import Outline, room_outlines
+from situgraph.view.walls import Walls, wall_bodies
+
+
+class Shape(msgspec.Struct, frozen=True):
+    """A room to draw: where its name stands and, if anything bounds it, its outline."""
+
+    id: str
+    name: str
+    center: Array
+    outline: Outline | None
+
+
+class Floor(msgspec.Struct, frozen=True):
+    """One storey. ``key`` is its id, or None where the graph names no storey."""
+
+    key: str | None
+    name: str
+    elevation: float
+    rooms: tuple[Shape, ...]
+    faces: Faces
+    openings: tuple[Opening, ...]
+    objects: tuple[Object, ...]
+    path: Array
+    walls: Walls
+
+    def loose_faces(self) -> Faces:
+        """Faces that bound no room, end somewhere and are not the back of a wall."""
+        loose = set(self.walls.loose)
+        return self.faces.only(np.array([id in loose for id in self.faces.ids], dtype=bool))
+
+    def points(self) -> Array:
+        """Everything drawn, as points (n, 2)."""
+        parts = [self.faces.segments.reshape(-1, 2), self.path]
+        parts += [s.center[None] if s.outline is None else s.outline.polygon for s in self.rooms]
+        parts += [np.array([o.center[:2] for o in self.objects]).reshape(-1, 2)]
+        return np.concatenate(parts)
+
+
+class Building(msgspec.Struct, frozen=True):
+    """A graph with its storeys, lowest first."""
+
+    graph: SceneGraph
+    floors: tuple[Floor, ...]
+
+    def bounds(
+        self, floors: Iterable[Floor] | None = None
+    ) -> tuple[float, float, float, float] | None:
+        """The least x and y and the greatest x and y (m), or None where nothing is drawn."""
+        points = [f.points() for f in (self.floors if floors is None else floors)]
+        every = np.concatenate(points) if points else np.zeros((0, 2))
+        if not len(every):
+            return None
+        (x0, y0), (x1, y1) = every.min(axis=0), every.max(axis=0)
+        return float(x0), float(y0), float(x1), float(y1)
+
+    def chosen(self, storeys: Sequence[str]) -> tuple[Floor, ...]:
+        """The storeys of these ids or names, or all.
+
+        Raises:
+            InputError: no storey is called so.
+        """
+        for wanted in storeys:
+            if not any(wanted in (f.key, f.name) for f in self.floors):
+                names = ", ".join(f"{f.name} ({f.key})" for f in self.floors) or "none"
+                raise InputError(
+                    self.graph.name or "the graph",
+                    f"has no storey '{wanted}'",
+                    f"there are: {names}",
+                )
+        return tuple(f for f in self.floors if not storeys or {f.key, f.name} & set(storeys))
+
+
+def survey(graph: SceneGraph, config: ViewConfig) -> Building:
+    """Sort a graph into storeys and work out outlines, wall bodies and openings."""
+    outlines = room_outlines(graph, config)
+    storeys = sorted(graph.storeys, key=lambda s: s.elevation)
+    level = _Levels(graph, storeys)
+    floors = [_floor(graph, storey, outlines, level, config) for storey in [*storeys, None]]
+    return Building(graph, tuple(f for f in floors if len(f.points())))
+
+
+class _Levels:
+    """Which storey every node belongs to."""
+
+    def __init__(self, graph: SceneGraph, storeys: Sequence[Storey]) -> None:
+        self.storeys = storeys
+        self.starts = np.array([s.elevation for s in storeys])
+        self.room = {r.id: r.storey or self.at(r.center[2], 0.3) for r in graph.rooms}
+        self.plane: dict[str, set[str | None]] = {}
+        for room in graph.rooms:
+            for plane in room.planes:
+                self.plane.setdefault(plane, set()).add(self.room[room.id])
+        self.object = {o.id: self._of(o) for o in graph.objects}
+        self.frame = {k.id: self.at(k.pose[2], 0.3) for k in graph.keyframes}
+        only = storeys[0].id if len(storeys) == 1 else None
+        self.free = {p.id: only for p in graph.planes if p.id not in self.plane}
+
+    def at(self, height: float, below: float) -> str | None:
+        """The highest storey that starts no more than ``below`` above ``height``."""
+        if not len(self.storeys):
+            return None
+        at = int(np.searchsorted(self.starts, height + below, side="right")) - 1
+        return self.storeys[max(at, 0)].id
+
+    def _of(self, item: Object) -> str | None:
+        rooms = [self.room[r] for r in item.rooms]
+        planes = [s for p in item.planes for s in sorted(self.plane.get(p, ()), key=str)]
+        at = self.at(item.center[2], 0.0)
+        return at if at in (*rooms, *planes) else next(iter([*rooms, *planes]), at)
+
+
+def _floor(
+    graph: SceneGraph,
+    storey: Storey | None,
+    outlines: Mapping[str, Outline],
+    level: _Levels,
+    config: ViewConfig,
+) -> Floor:
+    key = None if storey is None else storey.id
+    rooms = [r for r in graph.rooms if level.room[r.id] == key]
+    free = [p for p, at in level.free.items() if at == key]
+    faces = wall_faces(graph, [r.id for r in rooms], outlines, free, config.wall_gap)
+    items = [o for o in graph.objects if level.object[o.id] == key]
+    openings, others = place_openings(graph, items, faces, config)
+    shapes = tuple(
+        Shape(r.id, r.name or r.id, np.array(r.center[:2]), outlines.get(r.id)) for r in rooms
+    )
+    drawn = [s.outline.polygon for s in shapes if s.outline is not None]
+    detailed = len(shapes) <= config.detail_rooms
+    path = [k.pose[:2] for k in graph.keyframes if level.frame[k.id] == key]
+    return Floor(
+        key,
+        "" if storey is None else storey.name or storey.id,
+        0.0 if storey is None else storey.elevation,
+        shapes,
+        faces,
+        openings,
+        others,
+        np.array(path, dtype=float).reshape(-1, 2),
+        wall_bodies(drawn, faces, openings, config) if detailed else Walls(),
+    )

@@ -1,0 +1,79 @@
+"""Names from models and files, made safe and short enough to be drawn."""
+
+from __future__ import annotations
+
+import unicodedata
+
+_WIDTH = 0.6  # of the type size: the mean advance of a letter in the drawing's typeface
+
+
+def plain(text: object, limit: int = 120) -> str:
+    """``text`` on one line without control characters, cut to ``limit`` letters."""
+    kept = (" " if c.isspace() else c for c in str(text) if c.isspace() or _drawable(c))
+    line = " ".join("".join(kept).split())
+    return line if len(line) <= limit else line[: limit - 1].rstrip() + "…"
+
+
+def _drawable(letter: str) -> bool:
+    # Control, format (bidirectional overrides), surrogate and unassigned code points break SVG
+    # or make a name read as another one.
+    return unicodedata.category(letter) not in ("Cc", "Cf", "Cs", "Cn", "Co")
+
+
+def width(text: str, size: float) -> float:
+    """About how wide ``text`` is in points when set in ``size`` points."""
+    return (
+        _WIDTH * size * sum(2.0 if unicodedata.east_asian_width(c) in "WF" else 1.0 for c in text)
+    )
+
+
+def fitted(
+    text: str, room: float, height: float, smallest: float, largest: float
+) -> tuple[str, float] | None:
+    """``text`` on one or two lines and the type size (points) that fits, or None.
+
+    ``room`` and ``height`` are the space in points.
+    """
+    best: tuple[str, float] | None = None
+    for lines in _layouts(text):
+        across = max(width(line, 1.0) for line in lines)
+        size = min(largest, room / max(across, 1e-9), height / (1.25 * len(lines)))
+        if size >= smallest and (best is None or size > best[1] + 0.5):
+            best = ("\n".join(lines), size)
+    return best
+
+
+def _layouts(text: str) -> list[tuple[str, ...]]:
+    words = text.split(" ")
+    halves = [(" ".join(words[:i]), " ".join(words[i:])) for i in range(1, len(words))]
+    two = min(halves, key=lambda h: max(len(h[0]), len(h[1])), default=None)
+    return [(text,)] if two is None else [(text,), two]
+
+
+def metres(length: float) -> str:
+    """A length to read: ``4 cm``, ``1.25 m``."""
+    return f"{100.0 * length:.0f} cm" if abs(length) < 0.995 else f"{length:.2f} m"
+
+
+def number(value: float) -> str:
+    """A number to read: three digits, thousands apart."""
+    if value == int(value) and abs(value) < 1e15:
+        return f"{int(value):,}".replace(",", " ")
+    return f"{value:.3g}"
+
+
+def seconds(value: float) -> str:
+    """A duration to read: ``0.35 ms``, ``12 s``."""
+    if value < 1e-3:
+        return f"{1e6 * value:.0f} µs"
+    if value < 1.0:
+        return f"{1e3 * value:.3g} ms"
+    return f"{value:.3g} s" if value < 120.0 else f"{value / 60.0:.3g} min"
+
+
+def percent(probability: float) -> str:
+    """A probability to read, never rounded to certainty."""
+    if 0.0 < probability < 0.001 or 0.999 < probability < 1.0:
+        rest = min(probability, 1.0 - probability)
+        return f"{'1 − ' if probability > 0.5 else ''}{rest:.0e}".replace("e-0", "e-")
+    return f"{100.0 * probability:.3g} %"

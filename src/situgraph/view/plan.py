@@ -1,0 +1,157 @@
+"""The drawing of one scene graph: a panel for each storey."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from situgraph.scenegraph.graph import SceneGraph
+from situgraph.view import palette
+from situgraph.view.config import USUAL, ViewConfig
+from situgraph.view.floors import Building, Floor, survey
+from situgraph.view.glyphs import glyphs
+from situgraph.view.lettering import number, plain
+from situgraph.view.names import draw_names
+from situgraph.view.pen import draw_floor
+from situgraph.view.sheet import Key, Panel, sheet, write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_KINDS = {"prior": "A-Graph, from the building model", "online": "S-Graph, from sensors"}
+
+
+def draw_graph(
+    graph: SceneGraph | Building,
+    config: ViewConfig = USUAL,
+    *,
+    storeys: Sequence[str] = (),
+    title: str | None = None,
+) -> Figure:
+    """Draw a scene graph in plan view, one panel for each storey, lowest first.
+
+    Args:
+        graph: an A- or S-Graph, drawn in its own frame (x to the right, y up).
+        config: sizes and limits.
+        storeys: ids or names of the storeys to draw; all when empty.
+        title: instead of the graph's name.
+
+    Raises:
+        InputError: there is no storey of that name.
+    """
+    building = graph if isinstance(graph, Building) else survey(graph, config)
+    floors = building.chosen(storeys)
+    shown = floors[: config.max_panels]
+    bounds = building.bounds(shown)
+    name = title or building.graph.name or "Scene graph"
+    if bounds is None:
+        return blank(name, "This graph holds nothing that could be drawn.", config)
+    page = sheet(
+        name,
+        summary(building),
+        captions(shown),
+        bounds,
+        legend(shown),
+        _notes(building, shown, floors),
+        config,
+        north(building.graph),
+    )
+    for axes, floor in zip(page.panels, shown):
+        draw_floor(axes, floor, page.points_per_metre, config)
+        draw_names(axes, floor.rooms, page.points_per_metre, config)
+    return page.figure
+
+
+def blank(title: str, sentence: str, config: ViewConfig) -> Figure:
+    """A small page that says why there is no drawing."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(config.page_width, 2.0), facecolor=palette.PAPER)
+    page = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    page.set_axis_off()
+    page.set_xlim(0.0, config.page_width)
+    page.set_ylim(0.0, 2.0)
+    write(page, 0.42, 1.4, plain(title, 80), 18.0, va="center")
+    write(page, 0.42, 0.9, sentence, 10.0, palette.MUTED, va="center")
+    return figure
+
+
+def summary(building: Building) -> str:
+    """One line: what kind of graph, and how much of what."""
+    graph = building.graph
+    counts = [
+        _count(len(building.floors), "storey") if graph.storeys else "",
+        _count(len(graph.rooms), "room"),
+        _count(len(graph.planes), "plane"),
+        _count(len(graph.objects), "object"),
+        _count(len(graph.keyframes), "keyframe") if graph.keyframes else "",
+    ]
+    return f"{_KINDS[graph.kind]}  ·  " + "  ·  ".join(c for c in counts if c)
+
+
+def _count(count: int, thing: str) -> str:
+    plural = thing if count == 1 else f"{thing}s"
+    return f"{number(count)} {plural}"
+
+
+def captions(floors: Sequence[Floor]) -> list[Panel]:
+    """Name, elevation and rooms of each storey; nothing for the only floor of a graph without."""
+    if [f.key for f in floors] == [None]:
+        return [Panel()]
+    rooms = [_count(len(f.rooms), "room") for f in floors]
+    return [
+        Panel("no storey", r) if f.key is None else Panel(f.name, f"{f.elevation:+.2f} m  ·  {r}")
+        for f, r in zip(floors, rooms)
+    ]
+
+
+def _notes(building: Building, shown: Sequence[Floor], floors: Sequence[Floor]) -> list[str]:
+    notes = []
+    if len(shown) < len(floors):
+        notes.append(
+            f"{len(floors) - len(shown)} further storeys are not drawn; choose with --storey."
+        )
+    if building.graph.warnings:
+        codes = Counter(w.code for w in building.graph.warnings)
+        listed = ", ".join(f"{code} {count}" for code, count in codes.most_common(6))
+        notes.append(f"{_count(len(building.graph.warnings), 'warning')}: {listed}")
+    return notes
+
+
+def legend(floors: Iterable[Floor]) -> list[Key]:
+    """What occurs on these storeys, with counts."""
+    floors = list(floors)
+    keys = []
+    if any(f.walls.solid for f in floors):
+        keys.append(Key("wall", patch=palette.WALL))
+    if any(f.walls.one_face for f in floors):
+        keys.append(Key("wall, one face known", patch=palette.WALL_ONE, edge=palette.WALL))
+    if any(f.walls.loose for f in floors):
+        keys.append(Key("face, tick to its free side", line=palette.WALL))
+    if any(f.faces.infinite.any() for f in floors):
+        keys.append(Key("plane of no room", line=palette.WALL_ONE, dashes=(5.0, 4.0), width=0.8))
+    if any(f.faces.virtual.any() for f in floors):
+        keys.append(Key("no wall", line=palette.UNEXPLAINED, dashes=(3.0, 2.2)))
+    if any(s.outline is None or any(s.outline.open) for f in floors for s in f.rooms):
+        keys.append(Key("not bounded", line=palette.UNEXPLAINED, dashes=(1.2, 2.2)))
+    openings = Counter(o.kind for f in floors for o in f.openings)
+    if openings["door"]:
+        keys.append(Key(f"door {openings['door']}", line=palette.DOOR, width=1.6))
+    if openings["window"]:
+        keys.append(Key(f"window {openings['window']}", line=palette.WINDOW, width=1.6))
+    others = Counter(o.category for f in floors for o in f.objects)
+    for name, glyph in glyphs(others).items():
+        text = f"{plain(name.replace('_', ' '), 24)} {others[name]}"
+        if name in ("door", "window"):
+            text += " in no wall"
+        keys.append(Key(text, patch=glyph.face, marker=glyph.marker, edge=glyph.edge))
+    if any(len(f.path) for f in floors):
+        keys.append(Key("path", line=palette.PATH))
+    return keys
+
+
+def north(graph: SceneGraph) -> float | None:
+    """The direction of true north in the drawing (radians from x), where the graph says it."""
+    value = graph.attributes.get("true_north")
+    return float(value) if isinstance(value, int | float) else None
