@@ -11,6 +11,112 @@ from msgspec import Meta
 class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Settings of the objects stage."""
 
+    max_depth_sigma: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="depth pixels noisier than this are not used",
+            extra={"unit": "m", "source": "docs/objects.md"},
+        ),
+    ] = 0.07
+    depth_baseline: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="stereo baseline in sigma_z = z^2 s / (f b)",
+            extra={"unit": "m", "source": "D435 data sheet"},
+        ),
+    ] = 0.05
+    disparity_sigma: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="sub-pixel noise s in sigma_z = z^2 s / (f b)",
+            extra={"unit": "px", "source": "FACTS: D435 depth"},
+        ),
+    ] = 0.08
+    depth_step: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="a depth jump between neighbours over this share of the depth is an edge",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 0.05
+    mask_erosion: Annotated[
+        int,
+        Meta(
+            ge=0,
+            description="mask border that is not trusted",
+            extra={"unit": "px", "source": "docs/objects.md"},
+        ),
+    ] = 2
+    ring_width: Annotated[
+        int,
+        Meta(
+            gt=0,
+            description="width of the ring around a mask whose depth gives the wall behind glass",
+            extra={"unit": "px", "source": "docs/objects.md"},
+        ),
+    ] = 8
+    min_points: Annotated[
+        int,
+        Meta(
+            gt=0,
+            description="fewest voxels of a cluster",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 12
+    voxel: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="voxel that thins the points of clusters and objects",
+            extra={"unit": "m", "source": "FACTS: clustering"},
+        ),
+    ] = 0.05
+    cluster_gap: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="points of one category farther apart than this are two objects",
+            extra={"unit": "m", "source": "docs/objects.md"},
+        ),
+    ] = 0.25
+    ellipsoid_floor: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="thinnest semi-axis of an ellipsoid",
+            extra={"unit": "m", "source": "FACTS: ellipsoids"},
+        ),
+    ] = 0.05
+    stray_share: Annotated[
+        float,
+        Meta(
+            ge=0,
+            lt=0.5,
+            description="share of a cluster's farthest points left out of its ellipsoid",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 0.02
+    max_object_points: Annotated[
+        int,
+        Meta(
+            gt=0,
+            description="most points kept for one object",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 4000
+    min_confidence: Annotated[
+        float,
+        Meta(
+            ge=0,
+            le=1,
+            description="objects below this confidence stay out of the scene graph",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 0.4
     visibility_margin: Annotated[
         float,
         Meta(

@@ -1,0 +1,173 @@
+"""Objects seen over many keyframes: which observation is which object (paper, 'Data association').
+
+An observation that overlaps an object of its category, ellipsoid against ellipsoid, is that object:
+the points are merged and the ellipsoid is fitted anew. Each object's points are kept in the frame
+of the keyframe that saw it first, so that it moves when the optimiser corrects that keyframe.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from situgraph.geometry import ellipsoids
+from situgraph.geometry.poses import Array
+from situgraph.objects.clusters import clusters, thin
+from situgraph.objects.config import ObjectsConfig
+from situgraph.scenegraph.graph import Ellipsoid, Object
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """One cluster of one category as a keyframe saw it: points (n, 3) in the keyframe's frame."""
+
+    category: str
+    score: float
+    points: Array
+
+
+@dataclass(eq=False)
+class Track:
+    """One object: its points in the frame of its anchor keyframe, and how often it was seen."""
+
+    number: int
+    category: str
+    anchor: str
+    points: Array
+    seen: int = 0
+    expected: int = 0
+    score: float = 0.0
+    center: Array = field(default_factory=lambda: np.zeros(3))
+    shape: Array = field(default_factory=lambda: np.eye(3))
+
+    @property
+    def confidence(self) -> float:
+        """Mean of the Beta posterior of being seen when it should be, times the mean score."""
+        return (1.0 + self.seen) / (2.0 + max(self.seen, self.expected)) * self.score / self.seen
+
+
+class ObjectMap:
+    """Grows objects from observations; bounded by the objects there are, not by the frames."""
+
+    def __init__(self, config: ObjectsConfig | None = None) -> None:
+        """Start without objects."""
+        self.config = config or ObjectsConfig()
+        self._tracks: list[Track] = []
+        self._poses: dict[str, Array] = {}
+        self._next = 0
+
+    @property
+    def tracks(self) -> tuple[Track, ...]:
+        """All objects, also those of little confidence."""
+        return tuple(self._tracks)
+
+    def observations(
+        self, clouds: Mapping[str, Sequence[tuple[float, Array]]]
+    ) -> list[Observation]:
+        """Clusters of the labelled points of one keyframe: category -> (score, points (n, 3))."""
+        found = []
+        for category in sorted(clouds):
+            parts = clouds[category]
+            points = thin(np.concatenate([p for _, p in parts]), self.config.voxel)
+            score = max(s for s, _ in parts)
+            for group in clusters(points, self.config.cluster_gap, self.config.min_points):
+                found.append(Observation(category, score, group))
+        return found
+
+    def add(self, keyframe: str, pose: Array, observations: Sequence[Observation]) -> list[Track]:
+        """Take in what a keyframe at ``pose`` (4, 4) saw; the objects it became, in order."""
+        self._poses[keyframe] = np.asarray(pose, dtype=float)
+        became = []
+        for observation in observations:
+            new = Track(self._next, observation.category, keyframe, observation.points)
+            new.seen, new.score = 1, observation.score
+            self._next += 1
+            self._refit(new)
+            became.append(self._merge(new))
+        self._forget_poses()
+        return list(dict.fromkeys(became))
+
+    def expect(self, tracks: Sequence[Track]) -> None:
+        """Count objects that a frame should have shown; unseen ones lose confidence."""
+        for track in tracks:
+            track.expected += 1
+
+    def correct(self, poses: Mapping[str, Array]) -> None:
+        """Move objects with their anchors' corrected poses (4, 4); merge what now meets."""
+        for key in self._poses.keys() & poses.keys():
+            self._poses[key] = np.asarray(poses[key], dtype=float)
+        for track in self._tracks:
+            self._refit(track)
+        for track in tuple(self._tracks):
+            if track in self._tracks:
+                self._tracks.remove(track)
+                self._merge(track)
+
+    def objects(self) -> tuple[Object, ...]:
+        """The objects of enough confidence as scene-graph nodes, without relations."""
+        return tuple(_node(t) for t in self._tracks if t.confidence >= self.config.min_confidence)
+
+    def _merge(self, new: Track) -> Track:
+        """Unite ``new`` with every object of its category that it overlaps, the oldest first."""
+        while True:
+            met = next((t for t in self._tracks if t is not new and _overlap(t, new)), None)
+            if met is None:
+                break
+            older, younger = (met, new) if met.number < new.number else (new, met)
+            self._tracks = [t for t in self._tracks if t is not met]
+            self._absorb(older, younger)
+            new = older
+        self._tracks.append(new)
+        self._tracks.sort(key=lambda t: t.number)
+        return new
+
+    def _absorb(self, older: Track, younger: Track) -> None:
+        change = np.linalg.solve(self._poses[older.anchor], self._poses[younger.anchor])
+        moved = younger.points @ change[:3, :3].T + change[:3, 3]
+        points = thin(np.concatenate([older.points, moved]), self.config.voxel)
+        if len(points) > self.config.max_object_points:
+            keep = np.linspace(0, len(points) - 1, self.config.max_object_points).astype(int)
+            points = points[keep]
+        older.points = points
+        older.seen += younger.seen
+        older.expected += younger.expected
+        older.score += younger.score
+        self._refit(older)
+
+    def _refit(self, track: Track) -> None:
+        pose = self._poses[track.anchor]
+        points = track.points @ pose[:3, :3].T + pose[:3, 3]
+        track.center, track.shape = ellipsoids.fit(
+            points, self.config.ellipsoid_floor, self.config.stray_share
+        )
+
+    def _forget_poses(self) -> None:
+        used = {t.anchor for t in self._tracks}
+        self._poses = {k: p for k, p in self._poses.items() if k in used}
+
+
+def _overlap(first: Track, second: Track) -> bool:
+    if first.category != second.category:
+        return False
+    offset = second.center - first.center
+    reach = np.sqrt(np.trace(first.shape)) + np.sqrt(np.trace(second.shape))
+    if float(offset @ offset) > float(reach) ** 2:
+        return False
+    return ellipsoids.overlap(offset, first.shape, second.shape)
+
+
+def _node(track: Track) -> Object:
+    axes, rotation = ellipsoids.axes_and_rotation(track.shape)
+    a, b, c = (float(v) for v in axes)
+    qx, qy, qz, qw = (float(v) for v in rotation)
+    x, y, z = (float(v) for v in track.center)
+    return Object(
+        f"o{track.number}",
+        track.category,
+        (x, y, z),
+        Ellipsoid((a, b, c), (qx, qy, qz, qw)),
+        confidence=round(track.confidence, 4),
+        attributes={"evidence": "vision", "seen": track.seen},
+    )

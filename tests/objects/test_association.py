@@ -1,0 +1,107 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from situgraph.geometry.poses import Placement
+from situgraph.objects.association import ObjectMap, Observation
+from situgraph.objects.clusters import clusters, thin
+from situgraph.objects.config import ObjectsConfig
+
+
+def panel(x: float, seed: int = 0, count: int = 400) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return rng.uniform((x - 0.45, -0.02, 0.0), (x + 0.45, 0.02, 2.1), (count, 3))
+
+
+def observed(points: np.ndarray, pose: np.ndarray, category: str = "door") -> Observation:
+    local = (points - pose[:3, 3]) @ pose[:3, :3]
+    return Observation(category, 0.9, local)
+
+
+def pose(x: float, y: float, yaw: float) -> np.ndarray:
+    return Placement(x, y, 0.0, yaw).matrix()
+
+
+def test_two_views_of_one_door_are_one_object() -> None:
+    world = ObjectMap()
+    for k, p in enumerate((pose(0, -2, 0.3), pose(1, -3, -0.4))):
+        world.add(f"k{k}", p, [observed(panel(0.0, k), p)])
+    (door,) = world.objects()
+    assert np.allclose(door.center, (0.0, 0.0, 1.05), atol=0.06)
+    assert door.attributes["seen"] == 2
+
+
+def test_other_categories_and_other_places_stay_apart() -> None:
+    world = ObjectMap()
+    p = pose(0, 0, 0)
+    panels = [observed(panel(x), p, c) for x, c in ((0.0, "door"), (0.1, "window"), (3.0, "door"))]
+    world.add("k0", p, panels)
+    assert sorted(o.category for o in world.objects()) == ["door", "door", "window"]
+
+
+def test_objects_follow_their_keyframe_when_it_is_corrected() -> None:
+    world = ObjectMap()
+    world.add("k0", pose(0, 0, 0), [observed(panel(2.0), pose(0, 0, 0))])
+    correction = Placement(0.5, -0.2, 0.0, 0.1)
+    before = np.array(world.objects()[0].center)
+    world.correct({"k0": correction.matrix()})
+    assert np.allclose(world.objects()[0].center, correction.points(before), atol=1e-9)
+
+
+def test_duplicates_merge_when_a_correction_brings_them_together() -> None:
+    world = ObjectMap()
+    world.add("k0", pose(0, 0, 0), [observed(panel(0.0), pose(0, 0, 0))])
+    drifted = pose(3, 0, 0)
+    true = pose(0, 0, 0)
+    world.add("k1", drifted, [observed(panel(0.0, 1), true)])
+    assert len(world.objects()) == 2
+    world.correct({"k1": true})
+    (door,) = world.objects()
+    assert door.id == "o0"
+
+
+def test_an_object_that_is_never_seen_again_loses_confidence() -> None:
+    world = ObjectMap()
+    p = pose(0, 0, 0)
+    tracks = world.add("k0", p, [observed(panel(0.0), p)])
+    first = world.objects()[0].confidence
+    world.expect(tracks)
+    for _ in range(9):
+        world.expect(tracks)
+    assert world.objects() == ()
+    assert tracks[0].confidence < 0.25 < first
+
+
+def test_memory_is_bounded_by_the_objects_not_by_the_frames() -> None:
+    config = ObjectsConfig(max_object_points=500)
+    world = ObjectMap(config)
+    for k in range(30):
+        p = pose(0.1 * k, -2, 0.0)
+        world.add(f"k{k}", p, [observed(panel(0.0, k), p)])
+    (track,) = world.tracks
+    assert len(track.points) <= 500
+    assert len(world._poses) == 1
+
+
+def test_the_order_of_categories_does_not_matter() -> None:
+    parts = {"window": [(0.8, panel(3.0))], "door": [(0.9, panel(0.0)), (0.7, panel(0.3))]}
+    world = ObjectMap()
+    forward = world.observations(parts)
+    backward = world.observations(dict(reversed(parts.items())))
+    assert [o.category for o in forward] == [o.category for o in backward] == ["door", "window"]
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.4])
+def test_clusters_split_at_gaps(gap) -> None:
+    points = thin(np.concatenate([panel(0.0), panel(0.9 + 0.3)]), 0.05)
+    groups = clusters(points, gap, 5)
+    assert len(groups) == (2 if gap < 0.3 else 1)
+    assert sum(map(len, groups)) == len(points)
+
+
+def test_thinning_keeps_one_point_a_voxel() -> None:
+    points = np.array([[0.01, 0.01, 0.01], [0.03, 0.03, 0.03], [0.06, 0.0, 0.0]])
+    assert np.allclose(thin(points, 0.05), [[0.02, 0.02, 0.02], [0.06, 0.0, 0.0]])
+    assert thin(np.zeros((0, 3)), 0.05).shape == (0, 3)
+    assert clusters(np.zeros((0, 3)), 0.2, 3) == []
