@@ -33,8 +33,8 @@ class Detector(Protocol):
         """The categories it can find; others are no evidence."""
         ...
 
-    def detect(self, rgb: NDArray[np.uint8]) -> Sequence[Detection]:
-        """The instances in an image (h, w, 3) uint8."""
+    def detect(self, rgb: NDArray[np.uint8], stamp: float) -> Sequence[Detection]:
+        """The instances in an image (h, w, 3) uint8; ``stamp`` (s) tells which frame it is."""
         ...
 
 

@@ -1,0 +1,1 @@
+"""Class maps of public data sets, as package data."""
