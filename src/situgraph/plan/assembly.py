@@ -1,0 +1,187 @@
+"""From a building model to its A-Graph: the recipe, free of any file format."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from situgraph.plan.audit import Audit, audit, boundary_warnings, homeless
+from situgraph.plan.backing import Backing, WallFaces, backing, wall_faces
+from situgraph.plan.building import Building, Element
+from situgraph.plan.config import PlanConfig
+from situgraph.plan.contents import Placed, RoomIndex, ellipsoid, place_all
+from situgraph.plan.faces import Face
+from situgraph.plan.hosting import room_faces
+from situgraph.plan.openings import filling_box
+from situgraph.plan.rooms import RoomShape, room_shape
+from situgraph.plan.storeys import Storeys, find_storeys
+from situgraph.scenegraph.graph import Object, Plane, Room, Scalar, SceneGraph, Vec2, Warning
+
+
+def assemble(building: Building, config: PlanConfig) -> SceneGraph:
+    """The A-Graph of a building that has rooms, in the building frame (less its offset)."""
+    shapes, lost = _shapes(building.spaces, config)
+    shapes, storeys = _by_storey(shapes, building, config)
+    walls = wall_faces(building.walls, config)
+    boxes = {f.key: filling_box(f, walls) for f in building.fillings}
+    placed = place_all(building, boxes, room_faces(shapes), RoomIndex(shapes), config)
+    audited = audit(building, placed, shapes)
+    planes, plane_ids = _planes(shapes, walls, building, config)
+    rooms = tuple(_room(i, s, storeys, plane_ids[i]) for i, s in enumerate(shapes))
+    objects = tuple(_object(i, p, plane_ids, audited, config) for i, p in enumerate(placed))
+    warnings = [
+        *building.warnings, *_floorless(lost), *storeys.warnings, *_odd_rooms(shapes),
+        *homeless(placed), *boundary_warnings(audited, placed, shapes),
+    ]  # fmt: skip
+    offset = dict(zip(("offset_x", "offset_y", "offset_z"), building.offset, strict=True))
+    attributes: dict[str, Scalar] = {**building.attributes, **audited.attributes()}
+    return SceneGraph(
+        name=building.name,
+        kind="prior",
+        storeys=storeys.storeys,
+        rooms=rooms,
+        planes=planes,
+        objects=objects,
+        warnings=tuple(warnings),
+        modelled_categories=tuple(sorted({p.category for p in placed})),
+        attributes={**attributes, **(offset if any(building.offset) else {})},
+    )
+
+
+def _shapes(spaces: Sequence[Element], config: PlanConfig) -> tuple[list[RoomShape], list[Element]]:
+    shapes, lost = [], []
+    for space in spaces:
+        shape = room_shape(space, config)
+        if shape is None:
+            lost.append(space)
+        else:
+            shapes.append(shape)
+    return shapes, lost
+
+
+def _by_storey(
+    shapes: list[RoomShape], building: Building, config: PlanConfig
+) -> tuple[list[RoomShape], Storeys]:
+    """Rooms from the lowest storey up, in file order on each, and their storeys."""
+    first = find_storeys(building.levels, shapes, config)
+    order = sorted(range(len(shapes)), key=lambda n: (first.of_room[n], n))
+    shapes = [shapes[n] for n in order]
+    return shapes, find_storeys(building.levels, shapes, config)
+
+
+def _planes(
+    shapes: Sequence[RoomShape], walls: WallFaces, building: Building, config: PlanConfig
+) -> tuple[tuple[Plane, ...], list[list[str]]]:
+    sources = {w.key: w.source for w in building.walls}
+    planes: list[Plane] = []
+    ids: list[list[str]] = []
+    for shape in shapes:
+        ids.append([])
+        for face in shape.faces:
+            behind = backing(face, walls, config.wall_gap)
+            key = f"p{len(planes)}"
+            planes.append(_plane(key, face, behind, sources, config))
+            ids[-1].append(key)
+    return tuple(planes), ids
+
+
+def _plane(
+    key: str, face: Face, behind: Backing, sources: dict[int, str], config: PlanConfig
+) -> Plane:
+    attributes: dict[str, Scalar] = {
+        "backed": round(behind.share, 4),
+        "length": round(face.length, 4),
+        "bottom": round(face.bottom, 4),
+        "top": round(face.top, 4),
+    }
+    if behind.gap is not None:
+        attributes["gap"] = round(behind.gap, 4)
+    return Plane(
+        id=key,
+        normal=(*face.normal, 0.0),
+        offset=face.offset,
+        extent=(face.point(face.low), face.point(face.high)),
+        virtual=behind.share < config.virtual_share,
+        source=None if behind.key is None else sources[behind.key],
+        attributes=attributes,
+    )
+
+
+def _room(number: int, shape: RoomShape, storeys: Storeys, planes: Sequence[str]) -> Room:
+    element = shape.element
+    x, y = _center(shape)
+    attributes: dict[str, Scalar] = {
+        "guid": element.guid,
+        "area": round(float(shape.outline.area), 4),
+        "bottom": round(shape.bottom, 4),
+        "height": round(shape.top - shape.bottom, 4),
+    }
+    if element.long_name:
+        attributes["long_name"] = element.long_name
+    if shape.outline.interiors:
+        attributes["holes"] = len(shape.outline.interiors)
+    return Room(
+        id=f"r{number}",
+        center=(x, y, 0.5 * (shape.bottom + shape.top)),
+        planes=tuple(planes),
+        storey=f"s{storeys.of_room[number]}",
+        name=element.name,
+        footprint=_ring(shape),
+        attributes=attributes,
+    )
+
+
+def _center(shape: RoomShape) -> Vec2:
+    """The centroid of the floor, or a point inside where the centroid is outside."""
+    point = shape.outline.centroid
+    if not shape.outline.contains(point):
+        point = shape.outline.representative_point()
+    return float(point.x), float(point.y)
+
+
+def _ring(shape: RoomShape) -> tuple[Vec2, ...]:
+    return tuple((float(x), float(y)) for x, y in shape.outline.exterior.coords[:-1])
+
+
+def _object(
+    number: int,
+    item: Placed,
+    plane_ids: Sequence[Sequence[str]],
+    audited: Audit,
+    config: PlanConfig,
+) -> Object:
+    source = item.source
+    attributes: dict[str, Scalar] = {"guid": source.guid, "ifc_class": source.kind}
+    if source.name:
+        attributes["name"] = source.name
+    if item.category == "door":
+        attributes["leaf"] = getattr(source, "leaf", True)
+    if number in audited.differing:
+        attributes["boundaries"] = "differ"
+    return Object(
+        id=f"o{number}",
+        category=item.category,
+        center=item.box.center,
+        ellipsoid=ellipsoid(item.box, config.min_semi_axis),
+        rooms=tuple(f"r{r}" for r in item.rooms),
+        planes=tuple(plane_ids[room][face] for room, face in item.faces),
+        confidence=1.0,
+        attributes=attributes,
+    )
+
+
+def _floorless(lost: Sequence[Element]) -> Iterator[Warning]:
+    if lost:
+        message = f"{len(lost)} spaces have no floor area and are left out"
+        yield Warning("room-without-floor", message, tuple(e.guid for e in lost))
+
+
+def _odd_rooms(shapes: Sequence[RoomShape]) -> Iterator[Warning]:
+    slivers = [i for i, s in enumerate(shapes) if s.slivers]
+    if slivers:
+        total = sum(shapes[i].slivers for i in slivers)
+        message = f"{total} faces of {len(slivers)} rooms are slivers and left out"
+        yield Warning("sliver-faces", message, tuple(f"r{i}" for i in slivers))
+    parts = [i for i, s in enumerate(shapes) if s.parts > 1]
+    if parts:
+        message = f"{len(parts)} rooms have a floor in several parts; the largest is the footprint"
+        yield Warning("room-in-parts", message, tuple(f"r{i}" for i in parts))

@@ -1,0 +1,160 @@
+"""Doors, windows and fixtures as objects of the graph, with the rooms and faces they relate to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from situgraph.plan.building import Building, Element, Filling
+from situgraph.plan.config import PlanConfig
+from situgraph.plan.hosting import Host, RoomFaces, hosts
+from situgraph.plan.openings import Box, extent_box
+from situgraph.plan.rooms import RoomShape
+from situgraph.scenegraph.graph import Ellipsoid
+
+if TYPE_CHECKING:
+    from shapely import STRtree
+
+
+class Placed(msgspec.Struct, frozen=True):
+    """An object before it has an id: what it is, where, and the rooms and faces by number."""
+
+    source: Filling | Element
+    category: str
+    box: Box
+    rooms: tuple[int, ...]
+    faces: tuple[tuple[int, int], ...] = ()
+
+
+def place_filling(
+    filling: Filling, box: Box, faces: RoomFaces, rooms: RoomIndex, config: PlanConfig
+) -> Placed | None:
+    """A door, window or opening with its hosts; None for a bare opening that is no passage.
+
+    A door has one face at most on each side of its wall; a window may span several rooms. One that
+    is in no face but stands in a room (a toilet cubicle's door) is in that room, on no plane.
+    """
+    window = filling.category == "window"
+    found = hosts(box, faces, config.window_overlap if window else config.door_overlap, config)
+    if not window:
+        found = _one_a_side(found, box, faces)
+    category = filling.category
+    if category == "opening":
+        if not _is_passage(box, found, rooms, config):
+            return None
+        category = "door"
+    chosen = tuple(dict.fromkeys(h.room for h in found))
+    if not found:
+        chosen = tuple(rooms.around(box)[:1])
+    box = _between(box, found, rooms)
+    return Placed(filling, category, box, chosen, tuple((h.room, h.face) for h in found))
+
+
+def _one_a_side(found: Sequence[Host], box: Box, faces: RoomFaces) -> list[Host]:
+    out: dict[bool, Host] = {}
+    for host in found:
+        row = int(np.flatnonzero((faces.room == host.room) & (faces.face == host.face))[0])
+        out.setdefault(bool(faces.normal[row] @ np.array(box.across) > 0.0), host)
+    return [out[side] for side in sorted(out)]
+
+
+def _is_passage(box: Box, found: Sequence[Host], rooms: RoomIndex, config: PlanConfig) -> bool:
+    """Whether a robot could drive through a bare opening: wide, high and down to the floor."""
+    if not found:
+        return False
+    floor = max(rooms.shapes[h.room].bottom for h in found)
+    return (
+        box.bottom <= floor + config.passage_sill
+        and box.top - max(floor, box.bottom) >= config.passage_height
+        and 2.0 * box.half[0] >= config.passage_width
+    )
+
+
+def _between(box: Box, found: Sequence[Host], rooms: RoomIndex) -> Box:
+    """The box cut to what lies between the faces that host it, where they face each other."""
+    n = np.array(box.across)
+    positions = []
+    for host in found:
+        face = rooms.shapes[host.room].faces[host.face]
+        middle = np.array(face.point(0.0))
+        positions.append((float(np.dot(face.normal, n)), float(middle @ n)))
+    one = [p for side, p in positions if side > 0]
+    other = [p for side, p in positions if side < 0]
+    if one and other and max(one) - min(other) > 0.01:
+        return box.depth_within(min(other), max(one))
+    return box
+
+
+def place_fixture(element: Element, rooms: RoomIndex) -> Placed:
+    """A fixed element or a piece of furniture with the rooms it stands in."""
+    box = extent_box(element.mesh)
+    return Placed(element, element.category or "fixture", box, tuple(rooms.around(box)))
+
+
+def ellipsoid(box: Box, smallest: float) -> Ellipsoid:
+    """The ellipsoid of a box: semi-axes are its half sizes, at least ``smallest`` (m).
+
+    The same rule as for detected objects: a uniform box has the standard deviation half/sqrt(3)
+    along each axis, and an ellipsoid fitted to points takes sqrt(3) of them for a semi-axis.
+    """
+    yaw = box.yaw
+    if not -math.pi / 2 < yaw <= math.pi / 2:  # a box turned by half a turn is the same box
+        yaw -= math.copysign(math.pi, yaw)
+    width, depth, height = (max(h, smallest) for h in box.half)
+    turn = (0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
+    return Ellipsoid((width, depth, height), turn)
+
+
+class RoomIndex:
+    """Finds the rooms a box stands in."""
+
+    def __init__(self, shapes: Sequence[RoomShape]) -> None:
+        """Index rooms by their outlines."""
+        from shapely import STRtree
+
+        self.shapes = tuple(shapes)
+        self._tree: STRtree = STRtree([s.outline for s in shapes])
+
+    def around(self, box: Box) -> list[int]:
+        """Rooms that hold at least half of the box's plan, else the one that holds most of it."""
+        from shapely import Polygon
+
+        plan = Polygon(_corners(box)).buffer(1e-3)
+        shares: dict[int, float] = {}
+        for number in sorted(int(i) for i in self._tree.query(plan, predicate="intersects")):
+            room = self.shapes[number]
+            height = min(room.top, box.top) - max(room.bottom, box.bottom)
+            if height > min(1.0, box.half[2]):
+                shares[number] = float(room.outline.intersection(plan).area / plan.area)
+        held = [n for n, share in shares.items() if share >= 0.5]
+        if held or not shares:
+            return held
+        best = max(sorted(shares), key=lambda n: shares[n])
+        return [best] if shares[best] >= 0.1 else []
+
+
+def _corners(box: Box) -> list[tuple[float, float]]:
+    (x, y, _), (ax, ay), (tx, ty) = box.center, box.across, box.along
+    w, d, _ = box.half
+    return [
+        (x + i * w * tx + j * d * ax, y + i * w * ty + j * d * ay)
+        for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
+
+
+def place_all(
+    building: Building,
+    boxes: Mapping[int, Box],
+    faces: RoomFaces,
+    rooms: RoomIndex,
+    config: PlanConfig,
+) -> list[Placed]:
+    """Doors, then windows, then fixtures, each in file order."""
+    placed = [place_filling(f, boxes[f.key], faces, rooms, config) for f in building.fillings]
+    found = [p for p in placed if p is not None]
+    found.sort(key=lambda p: p.category != "door")
+    return found + [place_fixture(e, rooms) for e in building.fixtures]
