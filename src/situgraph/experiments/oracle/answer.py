@@ -1,0 +1,138 @@
+"""Candidates, weights, solutions and the verdict."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from situgraph.experiments.oracle.explained import Motion, View, view
+from situgraph.experiments.oracle.likelihood import evidence, log_weight, log_weight_outside
+from situgraph.experiments.oracle.peaks import peak
+from situgraph.experiments.oracle.problem import Flags, Problem
+from situgraph.experiments.oracle.regions import Regions
+from situgraph.experiments.oracle.scan import feasible_placements
+from situgraph.geometry.poses import Placement, rotation2, wrap_angle
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A peak: what it explains, its L, and its probability against all others and 'outside'."""
+
+    view: View
+    evidence: float
+    probability: float = 0.0
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Everything the definition says about a pair of graphs; candidates best first."""
+
+    candidates: tuple[Candidate, ...]
+    solutions: tuple[Candidate, ...]
+    probability_outside: float
+    verdict: str
+    feasible: tuple[View, ...] = ()
+    peaks: tuple[View, ...] = ()
+
+
+def answer(problem: Problem, extra: tuple[View, ...] = ()) -> Answer:
+    """The definition's answer; ``extra`` feasible placements are peaks to be weighed as well.
+
+    ``feasible`` and ``peaks`` of the answer tell, one for one, each feasible placement that was
+    found and the peak it leads to.
+    """
+    regions = Regions(problem)
+    feasible: list[View] = []
+    peaks: list[View] = []
+    climbed: dict[tuple[object, ...], View] = {}
+    for found in feasible_placements(problem, regions):
+        start = view(problem, found.motion, found.near)
+        if not start.feasible:
+            continue
+        key = (found.motion.z, *start.signature)
+        if key not in climbed:
+            climbed[key] = peak(problem, start, found.near)
+            feasible.append(start)
+            peaks.append(climbed[key])
+    candidates = distinct(problem, [*_complete(problem, peaks), *extra])
+    return replace(
+        judge(problem, candidates, regions), feasible=tuple(feasible), peaks=tuple(peaks)
+    )
+
+
+def _complete(problem: Problem, peaks: list[View]) -> list[View]:
+    """The distinct peaks with all room pairs looked at, not only those near the climb's start."""
+    by_place: dict[tuple[float, ...], View] = {}
+    for p in peaks:
+        key = (p.motion.z, *np.round([p.motion.yaw, *p.motion.point], 4).tolist())
+        by_place.setdefault(key, p)
+    return [view(problem, p.motion, storeys(problem, p.motion.z), 1e-7) for p in by_place.values()]
+
+
+def storeys(problem: Problem, z: float) -> Flags:
+    """The room pairs whose storeys a shift in height maps onto each other."""
+    return min(problem.shifts, key=lambda s: abs(s.z - z)).pairs
+
+
+def same(problem: Problem, one: Motion, two: Motion) -> bool:
+    """Whether two placements are the same (section 5)."""
+    c = problem.constants
+    return (
+        float(np.linalg.norm(one.point - two.point)) <= c.same_distance
+        and abs(float(wrap_angle(one.yaw - two.yaw))) <= c.same_yaw
+        and abs(one.z - two.z) <= c.same_height
+    )
+
+
+def distinct(problem: Problem, peaks: list[View]) -> list[Candidate]:
+    """Of peaks that are the same the best, best first."""
+    ranked = sorted((Candidate(p, evidence(problem, p)) for p in peaks if p.feasible), key=_rank)
+    kept: list[Candidate] = []
+    for candidate in ranked:
+        if not any(same(problem, candidate.view.motion, k.view.motion) for k in kept):
+            kept.append(candidate)
+    return kept
+
+
+def _rank(candidate: Candidate) -> tuple[float, ...]:
+    at = candidate.view.motion
+    return (-round(candidate.evidence, 9), at.z, at.yaw, *at.point.tolist())
+
+
+def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> Answer:
+    """Probabilities, solutions and the verdict."""
+    c = problem.constants
+    weights = [log_weight(problem, k.evidence) for k in candidates]
+    outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
+    total = float(np.logaddexp.reduce([*weights, outside]))
+    weighed = tuple(
+        replace(k, probability=math.exp(w - total)) for k, w in zip(candidates, weights)
+    )
+    inside = float(np.logaddexp.reduce(weights)) if weights else -math.inf
+    solutions: tuple[Candidate, ...] = ()
+    verdict = "none"
+    if outside <= inside:
+        least = max(weights) + (math.log(c.rival_ratio) if c.rival_ratio > 0 else -math.inf)
+        solutions = tuple(k for k, w in zip(weighed, weights) if w >= least)
+        sure = len(solutions) == 1 and solutions[0].probability >= c.unique_probability
+        verdict = "unique" if sure else "ambiguous"
+    return Answer(weighed, solutions, math.exp(outside - total), verdict)
+
+
+def placement(problem: Problem, motion: Motion) -> Placement:
+    """The motion as a placement of the map's origin."""
+    x, y = motion.point - rotation2(motion.yaw) @ problem.middle
+    return Placement(float(x), float(y), motion.z, float(wrap_angle(motion.yaw)))
+
+
+def motion_of(problem: Problem, at: Placement) -> Motion:
+    """A placement of the map's origin as a motion of the mean room centre."""
+    return Motion(at.yaw, rotation2(at.yaw) @ problem.middle + (at.x, at.y), at.z)
+
+
+def explained_at(problem: Problem, at: Placement, slack: float = 1e-9) -> View:
+    """What a placement explains, strictly by the definition."""
+    motion = motion_of(problem, at)
+    return view(problem, motion, storeys(problem, at.z), slack)

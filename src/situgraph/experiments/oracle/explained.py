@@ -1,0 +1,190 @@
+"""What one placement explains: plane assignments of a room pair, and the pairing of rooms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from situgraph.experiments.oracle.problem import Flags, Problem
+from situgraph.geometry.poses import Array, rotation2, wrap_angle
+
+SLACK = 1e-9  # equality at a limit, in metres and radians
+FIT, MOVED, MISSING = "fit", "moved", "missing"
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A placement: ``yaw``, where the mean online room centre goes (2,), the shift in height."""
+
+    yaw: float
+    point: Array
+    z: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlanePair:
+    """Online plane ``i`` of a room, its counterpart ``j`` (None when missing), the residuals."""
+
+    i: int
+    j: int | None
+    state: str
+    angle: float = 0.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class RoomPair:
+    """An explained room: the planes' counterparts under the best assignment."""
+
+    r: int
+    a: int
+    planes: tuple[PlanePair, ...]
+    score: float
+
+    @property
+    def signature(self) -> tuple[object, ...]:
+        """The correspondences without the residuals."""
+        return (self.r, self.a, *((p.j, p.state) for p in self.planes))
+
+
+@dataclass(frozen=True)
+class View:
+    """What a placement explains; ``feasible`` by the definition of section 5."""
+
+    motion: Motion
+    pairs: tuple[RoomPair, ...]
+    feasible: bool
+
+    @property
+    def signature(self) -> tuple[object, ...]:
+        """The correspondences of all rooms."""
+        return tuple(p.signature for p in self.pairs)
+
+
+def moved_center(problem: Problem, motion: Motion, r: int) -> Array:
+    """Where the placement takes the centre of an online room (2,)."""
+    arm = problem.seen[r].center - problem.middle
+    return np.asarray(rotation2(motion.yaw) @ arm + motion.point)
+
+
+def view(problem: Problem, motion: Motion, pairs: Flags, slack: float = SLACK) -> View:
+    """Everything explained at one placement, among the room pairs whose storeys agree."""
+    rows, columns = len(problem.seen), len(problem.planned)
+    found: dict[tuple[int, int], RoomPair] = {}
+    for r in range(rows):
+        center = moved_center(problem, motion, r)
+        for a in range(columns):
+            if pairs[r, a] and problem.room_allowed(r, a):
+                pair = explain(problem, r, a, motion.yaw, center, slack)
+                if pair is not None:
+                    found[r, a] = pair
+    chosen = pair_up({k: v.score for k, v in found.items()}, rows, columns)
+    kept = tuple(found[k] for k in chosen)
+    enough = len(kept) >= problem.least_rooms
+    return View(motion, kept, enough and _fixed(problem, kept))
+
+
+def explain(
+    problem: Problem, r: int, a: int, yaw: float, center: Array, slack: float = SLACK
+) -> RoomPair | None:
+    """The best assignment that explains online room ``r`` by prior room ``a``, or None."""
+    c = problem.constants
+    mine, theirs = problem.seen[r], problem.planned[a]
+    angle = wrap_angle(mine.angles[:, None] + yaw - theirs.angles[None, :])
+    offset = mine.distances[:, None] - (theirs.normals @ center + theirs.offsets)[None, :]
+    possible = (np.abs(angle) <= c.angle_tolerance + slack) & (
+        np.abs(offset) <= c.moved_limit + slack
+    )
+    if (~possible.any(axis=1)).sum() > 1:
+        return None
+    possible &= problem.planes_allowed(r, a)
+    fits = possible & (np.abs(offset) <= c.fit_limit + slack)
+    crossed = mine.not_parallel(c.parallel_sine)
+    terms = np.where(fits, fit_term(problem, offset, angle), moved_term(problem, angle))
+    best: tuple[float, tuple[int, ...]] | None = None
+    for choice in assignments(possible):
+        if not _explains(choice, fits, crossed):
+            continue
+        score = sum(
+            float(terms[i, j]) if j >= 0 else math.log(c.p_missing) for i, j in enumerate(choice)
+        )
+        if best is None or score > best[0]:
+            best = (score, choice)
+    if best is None:
+        return None
+    planes = tuple(
+        PlanePair(i, None, MISSING)
+        if j < 0
+        else PlanePair(i, j, FIT if fits[i, j] else MOVED, float(angle[i, j]), float(offset[i, j]))
+        for i, j in enumerate(best[1])
+    )
+    return RoomPair(r, a, planes, best[0])
+
+
+def fit_term(problem: Problem, offset: Array, angle: Array) -> Array:
+    """Log ratio of planes that fit, per plane."""
+    c = problem.constants
+    peak = (
+        (1 - c.p_moved - c.p_missing) * c.clutter_length / (math.sqrt(2 * math.pi) * c.plane_sigma)
+    )
+    bend = angle**2 / (2 * c.angle_sigma**2)
+    return np.asarray(math.log(peak) - offset**2 / (2 * c.plane_sigma**2) - bend)
+
+
+def moved_term(problem: Problem, angle: Array) -> Array:
+    """Log ratio of moved planes, per plane."""
+    c = problem.constants
+    spread = math.log(c.p_moved * c.clutter_length / (2 * c.moved_limit))
+    return np.asarray(spread - angle**2 / (2 * c.angle_sigma**2))
+
+
+def assignments(possible: Flags) -> list[tuple[int, ...]]:
+    """All injective assignments of rows to columns where at most one row is left out (-1)."""
+    found: list[tuple[int, ...]] = []
+
+    def extend(chosen: tuple[int, ...]) -> None:
+        i = len(chosen)
+        if i == len(possible):
+            found.append(chosen)
+            return
+        for j in np.flatnonzero(possible[i]):
+            if j not in chosen:
+                extend((*chosen, int(j)))
+        if -1 not in chosen:
+            extend((*chosen, -1))
+
+    extend(())
+    return found
+
+
+def _explains(choice: tuple[int, ...], fits: Flags, crossed: Flags) -> bool:
+    """Section 2's conditions on one assignment."""
+    fitting = np.array([j >= 0 and bool(fits[i, j]) for i, j in enumerate(choice)])
+    if len(choice) == 2 or not crossed.any():
+        return bool(fitting.all())
+    return bool(crossed[np.ix_(fitting, fitting)].any())
+
+
+def pair_up(scores: dict[tuple[int, int], float], rows: int, columns: int) -> list[tuple[int, int]]:
+    """Most pairs first, then the largest sum of scores, then the smallest prior indices."""
+    if not scores:
+        return []
+    # A pair outweighs any sum of scores; the last digits prefer small indices.
+    bonus = 4 * (1 + sum(abs(s) for s in scores.values()))
+    value = np.zeros((rows, columns))
+    for (r, a), score in scores.items():
+        value[r, a] = bonus + score - 1e-9 * a / columns
+    chosen = zip(*linear_sum_assignment(-value))
+    return sorted((int(r), int(a)) for r, a in chosen if (r, a) in scores)
+
+
+def _fixed(problem: Problem, pairs: tuple[RoomPair, ...]) -> bool:
+    """Whether the fitting planes are not all parallel."""
+    angles = np.array(
+        [problem.seen[p.r].angles[q.i] for p in pairs for q in p.planes if q.state == FIT]
+    )
+    crossed = np.abs(np.sin(angles[:, None] - angles[None, :]))
+    return bool((crossed >= problem.constants.parallel_sine).any())

@@ -1,0 +1,89 @@
+"""The log likelihood ratio of a placement, and of the hypothesis 'not in this plan'."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+
+import numpy as np
+
+from situgraph.experiments.oracle.explained import (
+    FIT,
+    MISSING,
+    MOVED,
+    PlanePair,
+    View,
+    fit_term,
+    moved_term,
+)
+from situgraph.experiments.oracle.objects import object_evidence
+from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.oracle.regions import Regions
+
+
+def wall_evidence(problem: Problem, seen: View) -> float:
+    """Section 4 without objects: the distinct planes of the explained rooms, and the rooms."""
+    c = problem.constants
+    occurrences: dict[str, list[PlanePair]] = defaultdict(list)
+    for pair in seen.pairs:
+        for plane in pair.planes:
+            occurrences[problem.seen[pair.r].planes[plane.i]].append(plane)
+    total = sum(_plane_term(problem, found) for found in occurrences.values())
+    explained = len(seen.pairs)
+    return (
+        total
+        + explained * math.log(1 - c.p_false_room)
+        + (len(problem.seen) - explained) * math.log(c.p_false_room)
+    )
+
+
+def _plane_term(problem: Problem, found: list[PlanePair]) -> float:
+    """One online plane, seen by one or more explained rooms."""
+    c = problem.constants
+    by_state = {s: [p for p in found if p.state == s] for s in (FIT, MOVED, MISSING)}
+    untied = len(by_state[MISSING]) * math.log(c.p_missing_shared)
+    same = by_state[FIT] or by_state[MOVED]
+    if not same:
+        return math.log(c.p_missing)
+    # The terms are quadratic, so the mean of the squares goes in as one root mean square.
+    angle = np.sqrt(np.mean([p.angle**2 for p in same]))
+    offset = np.sqrt(np.mean([p.offset**2 for p in same]))
+    if by_state[FIT]:
+        return float(fit_term(problem, offset, angle)) + untied
+    return float(moved_term(problem, angle)) + untied
+
+
+def evidence(problem: Problem, seen: View) -> float:
+    """L: walls and rooms, under the policy ``likelihood`` objects too."""
+    walls = wall_evidence(problem, seen)
+    return walls + object_evidence(problem, seen) if problem.policy == "likelihood" else walls
+
+
+def log_weight(problem: Problem, total: float) -> float:
+    """Ln W of a placement whose L is ``total``."""
+    c = problem.constants
+    spread = 2 * math.pi * c.plane_sigma**2 / (4 * plan_area(problem))
+    return math.log(1 - c.outside_prior) + total + math.log(spread)
+
+
+def plan_area(problem: Problem) -> float:
+    """Sum over storeys of the bounding rectangle of the room centres, grown by the margin."""
+    elevations = {s.id: s.elevation for s in problem.prior.storeys}
+    by_storey: dict[float, list[tuple[float, float]]] = defaultdict(list)
+    for room in problem.prior.rooms:
+        by_storey[elevations.get(room.storey or "", 0.0)].append(room.center[:2])
+    grown = 2 * problem.constants.plan_margin
+    return float(sum(np.prod(np.ptp(np.array(c), axis=0) + grown) for c in by_storey.values()))
+
+
+def log_weight_outside(problem: Problem, regions: Regions) -> float:
+    """Ln W of 'not in this plan': another building is made of similar rooms."""
+    c = problem.constants
+    total = math.log(c.outside_prior)
+    gain = (c.clutter_length / (2 * c.fit_limit)) ** 2
+    for r, mine in enumerate(problem.seen):
+        if len(mine.planes) < 3:
+            continue
+        alike = sum(regions.fits_somewhere(r, a) for a in range(len(problem.planned)))
+        total += math.log(1 + alike / len(problem.planned) * gain)
+    return total
