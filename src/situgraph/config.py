@@ -6,6 +6,7 @@ depends on the input.
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import math
 import os
@@ -129,10 +130,21 @@ def _overridden(settings: Settings, text: str) -> Settings:
         parsed = yaml.safe_load(value)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise ConfigError(f"--set {text}: the value is not YAML; quote it") from error
-    change: Any = parsed
+    try:
+        return _changed(settings, _nested(key, parsed), f"--set {key}")
+    except ConfigError:
+        if isinstance(parsed, str):
+            raise
+        # A text setting takes 12 or `it: is` as they stand; anything else refuses the text too.
+        with contextlib.suppress(ConfigError):
+            return _changed(settings, _nested(key, value), f"--set {key}")
+        raise
+
+
+def _nested(key: str, value: Any) -> Any:
     for part in reversed(key.strip().split(".")):
-        change = {part: change}
-    return _changed(settings, change, f"--set {key}")
+        value = {part: value}
+    return value
 
 
 def _changed(settings: Settings, change: Any, place: str) -> Settings:

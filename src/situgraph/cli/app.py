@@ -121,7 +121,7 @@ def _drop_stdout() -> None:
     os.dup2(devnull, sys.stdout.fileno())
 
 
-@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group("situgraph", cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="situgraph")
 def main() -> None:
     """Locate a robot in its building: match the scene graph from its sensors with the plan's.

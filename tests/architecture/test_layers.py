@@ -1,0 +1,73 @@
+"""The house has floors: a module imports only from floors below its own."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+FLOORS = {
+    "errors": 0,
+    "geometry": 1,
+    "scenegraph": 2,
+    "plan": 3,
+    "io": 3,
+    "slam": 3,
+    "objects": 3,
+    "matching": 3,
+    "view": 3,
+    "coupling": 4,
+    "sim": 4,
+    "cache": 5,
+    "config": 5,
+    "api": 5,
+    "pipeline": 5,
+    "experiments": 6,
+    "cli": 7,
+}
+# Floor 5 is not a set of independent stages: these lean on each other in one direction.
+NEIGHBOURS = {("api", "cache"), ("api", "config"), ("pipeline", "api"), ("pipeline", "config")}
+
+SOURCES = Path(__file__).resolve().parents[2] / "src" / "situgraph"
+MODULES = sorted(SOURCES.rglob("*.py"))
+
+
+def imported_rooms(text: str, package: list[str]) -> set[str]:
+    """The rooms a module imports from, wherever in its text the import stands."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else []
+            module = ".".join([*above, *([node.module] if node.module else [])])
+            names = [f"{module}.{alias.name}" for alias in node.names]
+        found |= {name.split(".")[1] for name in names if name.startswith("situgraph.")}
+    return found & FLOORS.keys()
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(SOURCES)))
+def test_a_module_imports_only_from_below(path: Path) -> None:
+    parts = path.relative_to(SOURCES).parts
+    room = parts[0].removesuffix(".py")
+    if room == "__init__":  # the public names, loaded on first use
+        return
+    package = ["situgraph", *parts[:-1]]
+    for other in imported_rooms(path.read_text(), package) - {room}:
+        below = FLOORS[other] < FLOORS[room] or (room, other) in NEIGHBOURS
+        assert below, f"{'/'.join(parts)} on floor {FLOORS[room]} imports {other}"
+
+
+def test_every_module_has_a_floor() -> None:
+    rooms = {path.relative_to(SOURCES).parts[0].removesuffix(".py") for path in MODULES}
+    assert rooms - {"__init__"} <= FLOORS.keys()
+
+
+def test_all_forms_of_import_are_seen() -> None:
+    text = (
+        "import situgraph.view.plan\nfrom situgraph import sim\ndef f():\n from ..slam import x\n"
+    )
+    assert imported_rooms(text, ["situgraph", "matching"]) == {"view", "sim", "slam"}
+    assert imported_rooms("from . import plan", ["situgraph"]) == {"plan"}
