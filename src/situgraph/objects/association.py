@@ -105,9 +105,20 @@ class ObjectMap:
                 self._tracks.remove(track)
                 self._merge(track)
 
+    def nodes(self) -> tuple[tuple[Track, Object], ...]:
+        """The objects of enough confidence with their scene-graph nodes, without relations."""
+        least = self.config.min_confidence
+        return tuple((t, _node(t)) for t in self._tracks if t.confidence >= least)
+
     def objects(self) -> tuple[Object, ...]:
-        """The objects of enough confidence as scene-graph nodes, without relations."""
-        return tuple(_node(t) for t in self._tracks if t.confidence >= self.config.min_confidence)
+        """The scene-graph nodes alone."""
+        return tuple(node for _, node in self.nodes())
+
+    def points(self, track: Track) -> Array:
+        """The points (n, 3) of an object in the map frame."""
+        pose = self._poses[track.anchor]
+        moved: Array = track.points @ pose[:3, :3].T + pose[:3, 3]
+        return moved
 
     def _merge(self, new: Track) -> Track:
         """Unite ``new`` with every object of its category that it overlaps, the oldest first."""
@@ -137,10 +148,8 @@ class ObjectMap:
         self._refit(older)
 
     def _refit(self, track: Track) -> None:
-        pose = self._poses[track.anchor]
-        points = track.points @ pose[:3, :3].T + pose[:3, 3]
         track.center, track.shape = ellipsoids.fit(
-            points, self.config.ellipsoid_floor, self.config.stray_share
+            self.points(track), self.config.ellipsoid_floor, self.config.stray_share
         )
 
     def _forget_poses(self) -> None:

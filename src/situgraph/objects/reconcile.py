@@ -1,0 +1,66 @@
+"""One door, several kinds of evidence: seen by the camera, crossed by the robot, a gap in a wall.
+
+Doorways and visually detected doors that share a wall face and a place are one object of category
+``door``; its attribute ``evidence`` lists what it stands on. The place of a passage or a gap lies
+on the wall by construction; that of an image also holds the leaf, which may stand open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import msgspec
+import numpy as np
+
+from situgraph.objects.config import ObjectsConfig
+from situgraph.objects.doorways import EVIDENCE
+from situgraph.scenegraph.graph import Object, SceneGraph
+
+
+def reconciled(
+    seen: Sequence[Object], passages: Sequence[Object], graph: SceneGraph, config: ObjectsConfig
+) -> tuple[Object, ...]:
+    """Objects with each passage united with the door it belongs to, else added as its own door.
+
+    All objects must carry their relations already. Each passage takes the nearest door that shares
+    one of its faces within ``config.doorway_merge`` along the wall.
+    """
+    doors = [k for k, o in enumerate(seen) if o.category == "door"]
+    out = list(seen)
+    added = []
+    for passage in passages:
+        near = [
+            (apart, k)
+            for k in doors
+            if (apart := _along_wall(out[k], passage, graph)) <= config.doorway_merge
+        ]
+        if near:
+            _, k = min(near)
+            out[k] = united(out[k], passage)
+        else:
+            added.append(passage)
+    return (*out, *added)
+
+
+def united(door: Object, passage: Object) -> Object:
+    """The door with the passage's place in the plan, both relations and both kinds of evidence."""
+    kinds = [str(o.attributes.get(EVIDENCE, "")) for o in (door, passage)]
+    evidence = ",".join(dict.fromkeys(k for kind in kinds for k in kind.split(",") if k))
+    return msgspec.structs.replace(
+        door,
+        center=(passage.center[0], passage.center[1], door.center[2]),
+        rooms=tuple(dict.fromkeys((*door.rooms, *passage.rooms))),
+        planes=tuple(dict.fromkeys((*door.planes, *passage.planes))),
+        confidence=max(door.confidence or 0.0, passage.confidence or 1.0),
+        attributes={**door.attributes, EVIDENCE: evidence},
+    )
+
+
+def _along_wall(door: Object, passage: Object, graph: SceneGraph) -> float:
+    """Distance (m) of two doors along a face they share; infinite if they share none."""
+    shared = set(door.planes) & set(passage.planes)
+    if not shared:
+        return float("inf")
+    apart = np.array(door.center[:2]) - np.array(passage.center[:2])
+    normals = [np.array(graph.plane_by_id[key].normal[:2]) for key in sorted(shared)]
+    return min(float(np.linalg.norm(apart - (apart @ n) * n)) for n in normals)

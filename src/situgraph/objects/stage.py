@@ -1,0 +1,115 @@
+"""The object-semantic relation generator, whole: camera frames in, objects with relations out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from situgraph.geometry.poses import Array
+from situgraph.objects.association import ObjectMap, Track
+from situgraph.objects.cloud import labelled_clouds, max_range
+from situgraph.objects.config import ObjectsConfig
+from situgraph.objects.detections import Camera, Detector
+from situgraph.objects.doorways import doorways
+from situgraph.objects.hosting import host, place
+from situgraph.objects.reconcile import reconciled
+from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_views
+from situgraph.scenegraph.graph import Object, SceneGraph
+
+NEAR = 0.6  # m; what is closer fills the image and is not expected to be recognised
+BORDER = 0.1  # share of the image at its rim where nothing is expected
+BEHIND = 0.4  # m; depth short of an object by more than this hides it
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """One RGB-D frame tied to a keyframe: ``pose`` (4, 4) of the keyframe in the map,
+    ``keyframe_T_camera`` (4, 4) of the optical frame in the keyframe's.
+    """  # noqa: D205
+
+    keyframe: str
+    stamp: float
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    camera: Camera
+    pose: Array
+    keyframe_T_camera: Array  # noqa: N815 - the usual notation for frames
+
+
+class ObjectStage:
+    """Detects, places and keeps objects over a drive; relations are found when asked for."""
+
+    def __init__(self, detector: Detector | None, config: ObjectsConfig | None = None) -> None:
+        """``detector`` None: no camera; doorways from the trajectory are still found."""
+        self.detector = detector
+        self.config = config or ObjectsConfig()
+        self.map = ObjectMap(self.config)
+
+    def feed(self, view: View) -> int:
+        """Take in a frame; the number of objects it showed."""
+        if self.detector is None:
+            return 0
+        detections = self.detector.detect(view.rgb, view.stamp)
+        clouds = labelled_clouds(view.depth, view.camera, detections, self.config)
+        turn, shift = view.keyframe_T_camera[:3, :3], view.keyframe_T_camera[:3, 3]
+        parts: dict[str, list[tuple[float, Array]]] = {}
+        for cloud in clouds:
+            parts.setdefault(cloud.category, []).append(
+                (cloud.score, cloud.points @ turn.T + shift)
+            )
+        expected = self._expected(view)
+        tracks = self.map.add(view.keyframe, view.pose, self.map.observations(parts))
+        self.map.expect(list(dict.fromkeys([*expected, *tracks])))
+        return len(tracks)
+
+    def correct(self, poses: Mapping[str, Array]) -> None:
+        """Corrected poses (4, 4) of keyframes by id: the objects they saw move along."""
+        self.map.correct(poses)
+
+    def annotated(self, graph: SceneGraph, path: Array, gaps: Sequence[Object] = ()) -> SceneGraph:
+        """The graph with all objects and doorways and their relations.
+
+        ``path`` (n, 3): the robot's positions in the graph's frame so far; ``gaps``: openings that
+        the LiDAR saw in walls, as objects of category ``door``.
+        """
+        views = room_views(graph, self.config)
+        seen = [self._placed(t, o, views) for t, o in self.map.nodes()]
+        passages = doorways(path, graph, self.config)
+        objects = reconciled(seen, passages, graph, self.config)
+        hanging = [relate(g, views, self.config) for g in gaps]
+        objects = reconciled(objects, [g for g in hanging if g.rooms], graph, self.config)
+        return graph.replace(objects=objects)
+
+    def _placed(self, track: Track, item: Object, views: tuple[RoomView, ...]) -> Object:
+        """An object with its relations; doors and windows sit where their wall is."""
+        if item.category in TWO_SIDED:
+            points = self.map.points(track)
+            found = host(points, views)
+            if found is not None:
+                k, i = found
+                x, y, z = (float(v) for v in place(points, views[k], i))
+                item = msgspec.structs.replace(item, center=(x, y, z))
+        return relate(item, views, self.config)
+
+    def _expected(self, view: View) -> list[Track]:
+        """The known objects that this frame should show: in the image, in range, not hidden."""
+        found = []
+        to_camera = np.linalg.inv(view.pose @ view.keyframe_T_camera)
+        h, w = view.depth.shape
+        reach = max_range(view.camera, self.config)
+        for track in self.map.tracks:
+            x, y, z = to_camera[:3, :3] @ track.center + to_camera[:3, 3]
+            if not NEAR < z < reach:
+                continue
+            u = view.camera.fx * x / z + view.camera.cx
+            v = view.camera.fy * y / z + view.camera.cy
+            if not (BORDER * w < u < (1 - BORDER) * w and BORDER * h < v < (1 - BORDER) * h):
+                continue
+            depth = float(view.depth[int(v), int(u)])
+            if depth == 0.0 or depth > z - BEHIND:
+                found.append(track)
+        return found

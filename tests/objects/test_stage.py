@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+import numpy as np
+from tests.objects.world import two_rooms
+
+from situgraph.geometry.poses import Placement
+from situgraph.objects.detections import Camera, Detection
+from situgraph.objects.stage import ObjectStage, View
+
+CAMERA = Camera(386.0, 386.0, 319.5, 239.5)
+OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=float)
+DOOR = ((4.0, 1.55, 0.0), (4.0, 2.45, 2.1))  # on the wall x = 4 of room a
+
+
+class Painted:
+    """Finds what the test painted red."""
+
+    name = "painted"
+    categories = frozenset({"door"})
+
+    def detect(self, rgb, stamp):
+        mask = rgb[..., 0] > 200
+        return [Detection(mask, "door", 0.9)] if mask.any() else []
+
+
+def view(key: str, x: float, y: float, yaw: float, blind: bool = False) -> View:
+    """A camera at (x, y, 1) in room a that looks at the wall x = 4: depth and a painted door."""
+    pose = Placement(x, y, 1.0, yaw).matrix()
+    v, u = np.mgrid[:480, :640]
+    rays = np.stack(
+        [(u - CAMERA.cx) / CAMERA.fx, (v - CAMERA.cy) / CAMERA.fy, np.ones(u.shape)], -1
+    )
+    world = rays @ (pose[:3, :3] @ OPTICAL[:3, :3]).T
+    depth = (4.0 - x) / world[..., 0]
+    hit = np.array([x, y, 1.0]) + depth[..., None] * world
+    inside = np.all((hit > np.array(DOOR[0]) - 1e-6) & (hit < np.array(DOOR[1]) + 1e-6), axis=-1)
+    rgb = np.zeros((480, 640, 3), np.uint8)
+    if not blind:
+        rgb[inside, 0] = 255
+    depth = np.where(depth > 0, depth, 0).astype(np.float32)
+    return View(key, 0.0, rgb, depth, CAMERA, pose, OPTICAL)
+
+
+def test_a_door_seen_from_two_sides_is_one_object_with_both_rooms() -> None:
+    stage = ObjectStage(Painted())
+    assert stage.feed(view("k0", 1.5, 2.0, 0.0)) == 1
+    assert stage.feed(view("k1", 1.8, 2.8, -0.3)) == 1
+    (door,) = stage.annotated(two_rooms(), np.zeros((0, 3))).objects
+    assert set(door.rooms) == {"a", "b"}
+    assert set(door.planes) == {"a1", "b0"}
+    assert np.allclose(door.center, (4.0, 2.0, 1.05), atol=0.15)
+
+
+def test_the_passage_and_the_picture_of_a_door_are_one_object() -> None:
+    stage = ObjectStage(Painted())
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    path = np.array([[2.0, 2.1, 0.5], [6.0, 2.1, 0.5]])
+    (door,) = stage.annotated(two_rooms(), path).objects
+    assert door.attributes["evidence"] == "vision,trajectory"
+    assert np.allclose(door.center[:2], (4.1, 2.1))
+
+
+def test_without_a_camera_doorways_are_still_found() -> None:
+    stage = ObjectStage(None)
+    assert stage.feed(view("k0", 1.5, 2.0, 0.0)) == 0
+    (door,) = stage.annotated(two_rooms(), np.array([[2.0, 2, 0.5], [6.0, 2, 0.5]])).objects
+    assert door.attributes["evidence"] == "trajectory"
+
+
+def test_an_object_that_frames_should_show_and_do_not_fades() -> None:
+    stage = ObjectStage(Painted())
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    for _ in range(8):
+        stage.feed(view("k0", 1.5, 2.0, 0.0, blind=True))
+    assert stage.annotated(two_rooms(), np.zeros((0, 3))).objects == ()
+
+
+def test_looking_elsewhere_takes_nothing_away() -> None:
+    stage = ObjectStage(Painted())
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    for _ in range(8):
+        stage.feed(view("k0", 1.5, 2.0, 1.2, blind=True))
+    assert len(stage.annotated(two_rooms(), np.zeros((0, 3))).objects) == 1
+
+
+def test_objects_move_with_their_keyframes() -> None:
+    stage = ObjectStage(Painted())
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    before = np.array(stage.map.objects()[0].center)
+    shift = Placement(0.1, 0.3, 0.0, 0.0)
+    stage.correct({"k0": shift.matrix() @ view("k0", 1.5, 2.0, 0.0).pose})
+    assert np.allclose(stage.map.objects()[0].center, before + np.array([0.1, 0.3, 0.0]))
