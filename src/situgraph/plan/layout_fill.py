@@ -7,18 +7,23 @@ import numpy as np
 from situgraph.geometry.poses import Array
 from situgraph.plan.contacts import Index
 
-SHAPES = ((1, 2), (2, 1), (1, 3), (3, 1), (2, 2), (1, 1))
+Shapes = tuple[tuple[int, int], ...]
+
+# Columns x rows of the rectangles tried, two to four cells each (FACTS, 'Its synthetic generator').
+SMALL: Shapes = ((1, 2), (2, 1), (1, 3), (3, 1), (2, 2))
+# Big enough to cut a room out of one corner.
+LARGE: Shapes = ((2, 2), (2, 3), (3, 2), (2, 2), (1, 2))
 
 
-def fill_cells(rooms: int, columns: int, rng: np.random.Generator) -> Index:
+def fill_cells(rooms: int, columns: int, rng: np.random.Generator, shapes: Shapes) -> Index:
     """``rooms`` rectangles (n, 4) of cells ``column row column row``, first inclusive, last not.
 
-    Row by row, each free cell becomes the corner of a random rectangle of one to four cells that
-    still fits; two to four wherever there is room. The first row is always filled to both ends,
+    Row by row, each free cell becomes the corner of a random one of ``shapes`` that still fits;
+    one of them must be a single column wide. The first row is always filled to both ends,
     so the outline is straight there.
     """
     boxes = np.empty((rooms, 4), dtype=np.int64)
-    draws = rng.permuted(np.tile(np.arange(len(SHAPES) - 1), (rooms, 1)), axis=1).tolist()
+    draws = rng.permuted(np.tile(np.arange(len(shapes)), (rooms, 1)), axis=1).tolist()
     # height[c] is the first free row of column c: rectangles only ever stack up.
     height = [0] * columns
     row, column = 0, 0
@@ -27,7 +32,7 @@ def fill_cells(rooms: int, columns: int, rng: np.random.Generator) -> Index:
             column += 1
             if column == columns:
                 column, row = 0, row + 1
-        width, depth = _first_fit(height, column, row, draws[i])
+        width, depth = _first_fit(height, column, row, [shapes[k] for k in draws[i]])
         boxes[i] = (column, row, column + width, row + depth)
         for c in range(column, column + width):
             height[c] = row + depth
@@ -37,15 +42,13 @@ def fill_cells(rooms: int, columns: int, rng: np.random.Generator) -> Index:
     return boxes
 
 
-def _first_fit(height: list[int], column: int, row: int, order: list[int]) -> tuple[int, int]:
+def _first_fit(
+    height: list[int], column: int, row: int, order: list[tuple[int, int]]
+) -> tuple[int, int]:
     free = 1
     while free < 3 and column + free < len(height) and height[column + free] <= row:
         free += 1
-    for k in order:
-        width, depth = SHAPES[k]
-        if width <= free:
-            return width, depth
-    return SHAPES[-1]
+    return next(shape for shape in order if shape[0] <= free)
 
 
 def grid_lines(count: int, low: float, high: float, rng: np.random.Generator) -> Array:

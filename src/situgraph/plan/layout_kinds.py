@@ -12,9 +12,12 @@ import numpy as np
 from situgraph.geometry.poses import Array
 from situgraph.plan.floor import Floor, from_boxes, from_outlines
 from situgraph.plan.layout_config import LayoutConfig
-from situgraph.plan.layout_fill import fill_cells, grid_lines
+from situgraph.plan.layout_fill import LARGE, SMALL, Shapes, fill_cells, grid_lines
 
 Rng = np.random.Generator
+
+# Cells a room on average, to choose the number of columns.
+_CELLS = 2.5
 
 
 def random_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
@@ -22,13 +25,13 @@ def random_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
 
     After the paper's 'Synthetic dataset' (the generator of its reference reasoning_v1).
     """
-    boxes = _random_boxes(rooms, config, rng)
+    boxes = _random_boxes(rooms, SMALL, config, rng)
     return from_boxes(boxes, _thickness(rooms, config, rng))
 
 
 def lshaped_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
     """Random rooms of which many big ones are L-shaped, with another room in the notch."""
-    boxes = _random_boxes(rooms, config, rng)
+    boxes = _random_boxes(rooms, LARGE, config, rng)
     side = np.minimum(boxes[:, 2] - boxes[:, 0], boxes[:, 3] - boxes[:, 1])
     cut = (side > 2.0 * config.cell_min) & (rng.random(rooms) < config.lshaped_share)
     # A cut box makes two rooms; the boxes of the last rows are given up for them.
@@ -94,10 +97,10 @@ def grid_shape(rooms: int) -> tuple[int, int]:
     return rooms // rows, rows
 
 
-def _random_boxes(rooms: int, config: LayoutConfig, rng: Rng) -> Array:
+def _random_boxes(rooms: int, shapes: Shapes, config: LayoutConfig, rng: Rng) -> Array:
     aspect = rng.uniform(0.6, 1.7)
-    columns = min(rooms, max(1, round(math.sqrt(2.5 * rooms * aspect))))
-    cells = fill_cells(rooms, columns, rng)
+    columns = min(rooms, max(1, round(math.sqrt(_CELLS * rooms * aspect))))
+    cells = fill_cells(rooms, columns, rng, shapes)
     x = grid_lines(columns, config.cell_min, config.cell_max, rng)
     y = grid_lines(int(cells[:, 3].max()), config.cell_min, config.cell_max, rng)
     return np.stack([x[cells[:, 0]], y[cells[:, 1]], x[cells[:, 2]], y[cells[:, 3]]], axis=1)

@@ -136,7 +136,7 @@ def _slots(count: int, rng: Rng) -> list[tuple[int, int, float, float]]:
     slots: list[tuple[int, int, float, float]] = []
     if count % 2:
         slots.append((_kind_of("column"), -1, 0.5, 0.5))
-    allowed = [k for k, kind in enumerate(KINDS) if kind.category != "stair"]
+    allowed = [k for k, kind in enumerate(KINDS) if kind.category != "stairs"]
     for n in range(count // 2):
         kind = int(rng.choice(allowed)) if n > 1 else n
         u, v = rng.uniform(0.2, 0.8), rng.uniform(0.15, 0.4)

@@ -9,7 +9,7 @@ import numpy as np
 
 from situgraph.plan.contacts import Faces
 from situgraph.plan.floor import Floor, centroids
-from situgraph.plan.layout_items import KINDS, STAIR, Items, all_of, make_items, nothing
+from situgraph.plan.layout_items import KINDS, STAIRS, Items, all_of, make_items, nothing
 from situgraph.plan.layout_symmetry import HalfTurn
 
 
@@ -108,12 +108,12 @@ class Storeys(msgspec.Struct, frozen=True):
         if turn is not None:
             away = np.where(center[:, 1] > 0.0, away, away + 1e6)
         room = int(np.argmin(away))
-        kind = np.full(len(flights), KINDS.index(STAIR))
+        kind = np.full(len(flights), KINDS.index(STAIRS))
         at = np.tile(center[room], (len(flights), 1))
         ahead = np.tile(faces.direction[floor.first[room]], (len(flights), 1))
         rooms = (room + np.stack([flights, flights + 1], axis=1) * self.per_floor).astype(np.int64)
         none = np.full((len(flights), 2), -1)
-        width = np.full(len(flights), STAIR.width)
+        width = np.full(len(flights), STAIRS.width)
         items = make_items(kind, at, ahead, width, rooms, none)
         lift = np.column_stack([np.zeros((len(flights), 2)), flights * self.rise])
         return Items(items.kind, items.center + lift, items.yaw, width, rooms, none)

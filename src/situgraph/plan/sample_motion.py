@@ -1,0 +1,78 @@
+"""Motions of a sampled S-Graph: the unknown frame, and drift that bends the map."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import numpy as np
+
+from situgraph.geometry.poses import Array, Placement
+from situgraph.plan.contacts import Index
+from situgraph.plan.exploration import Walk
+
+
+class RoomMotions(msgspec.Struct, frozen=True):
+    """For each explored room (n,) how building coordinates appear in the map: turn, then shift.
+
+    ``walked`` (n,) is the way in metres up to the room.
+    """
+
+    yaw: Array
+    shift: Array
+    walked: Array
+
+    def points(self, points: Array, slot: Index) -> Array:
+        """Plan-view points (k, 2) of the rooms ``slot`` (k,), in the map."""
+        return np.asarray(self.vectors(points, slot) + self.shift[slot])
+
+    def vectors(self, vectors: Array, slot: Index) -> Array:
+        """Plan-view directions (k, 2) of the rooms ``slot`` (k,), in the map."""
+        c, s = np.cos(self.yaw)[slot], np.sin(self.yaw)[slot]
+        x, y = vectors[:, 0], vectors[:, 1]
+        return np.stack([c * x - s * y, s * x + c * y], axis=1)
+
+    def placement(self, slot: int, z: float) -> Placement:
+        """Map to building as one room sees it."""
+        yaw, (x, y) = float(self.yaw[slot]), self.shift[slot].tolist()
+        return Placement(x, y, -z, yaw).inverse()
+
+
+def room_motions(frame: Placement, walk: Walk, center: Array, bend: float) -> RoomMotions:
+    """Motions of each room on a walk; ``frame`` takes map to building at the start.
+
+    ``center`` (rooms, 3) are the rooms' centres in the building. The heading error grows by
+    ``bend`` rad for each metre walked, and the position error is what that adds up to along the
+    way from centre to centre.
+    """
+    back = frame.inverse()
+    stops = back.points(center[walk.stops, :2])
+    step = np.diff(stops, axis=0)
+    length = np.linalg.norm(step, axis=1)
+    walked = np.concatenate([[0.0], np.cumsum(length)])
+    error = bend * 0.5 * (walked[1:] + walked[:-1])
+    c, s = np.cos(error), np.sin(error)
+    bent = np.stack([c * step[:, 0] - s * step[:, 1], s * step[:, 0] + c * step[:, 1]], axis=1)
+    place = stops[0] + np.concatenate([[(0.0, 0.0)], np.cumsum(bent, axis=0)])
+    entered = np.array(walk.entered)
+    yaw = back.yaw + bend * walked[entered]
+    c, s = np.cos(yaw), np.sin(yaw)
+    x, y = center[walk.order, 0], center[walk.order, 1]
+    turned = np.stack([c * x - s * y, s * x + c * y], axis=1)
+    return RoomMotions(yaw, place[entered] - turned, walked[entered])
+
+
+def best_placement(motions: RoomMotions, center: Array, z: float) -> Placement:
+    """The placement map -> building nearest to the motions of all rooms, by least squares.
+
+    Fitted over the four points 2 m around each room's centre (n, 3).
+    """
+    around = np.array([(2.0, 0.0), (0.0, 2.0), (-2.0, 0.0), (0.0, -2.0)])
+    building = (center[:, None, :2] + around).reshape(-1, 2)
+    slot = np.repeat(np.arange(len(center)), 4)
+    online = motions.points(building, slot)
+    p, q = online - online.mean(axis=0), building - building.mean(axis=0)
+    yaw = math.atan2(float(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])), float(np.sum(p * q)))
+    turned = Placement(yaw=yaw).points(online.mean(axis=0))
+    x, y = (building.mean(axis=0) - turned).tolist()
+    return Placement(x, y, z, yaw)
