@@ -1,4 +1,4 @@
-"""Print the tables and figures of docs/ anew: `make docs`, or `python scripts/docs.py docs/plan.md`.
+"""Print the tables and figures of docs/ anew: `make docs`, or `python scripts/docs.py PAGE`.
 
 A page says which command prints a part of it:
 
@@ -6,8 +6,9 @@ A page says which command prints a part of it:
     <!-- table of: python scripts/settings_table.py -->   the output, as Markdown
     <!-- end -->
 
-What stands before `<!-- end -->` is replaced. Only `situgraph` and `python` are run, without a shell. A
-command that needs the real inputs names them by `../shared/data`; where they are absent it is passed over.
+What stands before `<!-- end -->` is replaced. Only `situgraph` and `python` are run, without a
+shell. A command that needs the real inputs names them by `../shared/data`; where they are absent
+it is passed over.
 """
 
 from __future__ import annotations
