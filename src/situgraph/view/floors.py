@@ -95,6 +95,34 @@ def survey(graph: SceneGraph, config: ViewConfig) -> Building:
     return Building(graph, tuple(f for f in floors if len(f.points())))
 
 
+def cropped(floor: Floor, bounds: tuple[float, float, float, float], config: ViewConfig) -> Floor:
+    """The part of a storey in ``bounds`` (m), with wall bodies if few enough rooms are left."""
+    x0, y0, x1, y1 = bounds
+
+    def inside(points: Array) -> bool:
+        low, high = points.min(axis=0), points.max(axis=0)
+        return bool(low[0] < x1 and high[0] > x0 and low[1] < y1 and high[1] > y0)
+
+    rooms = tuple(
+        s for s in floor.rooms
+        if inside(s.center[None] if s.outline is None else s.outline.polygon)
+    )  # fmt: skip
+    low, high = floor.faces.segments.min(axis=1), floor.faces.segments.max(axis=1)
+    near = (low < (x1, y1)).all(axis=1) & (high > (x0, y0)).all(axis=1)
+    faces = floor.faces.only(near)
+    openings = tuple(o for o in floor.openings if inside(o.middle[None]))
+    drawn = [s.outline.polygon for s in rooms if s.outline is not None]
+    few = len(rooms) <= config.detail_rooms
+    return msgspec.structs.replace(
+        floor,
+        rooms=rooms,
+        faces=faces,
+        openings=openings,
+        objects=tuple(o for o in floor.objects if inside(np.array([o.center[:2]]))),
+        walls=wall_bodies(drawn, faces, openings, config) if few else Walls(),
+    )
+
+
 class _Levels:
     """Which storey every node belongs to."""
 

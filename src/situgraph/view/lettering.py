@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import unicodedata
 
-_WIDTH = 0.6  # of the type size: the mean advance of a letter in the drawing's typeface
+# Advances of the drawings' typeface, as shares of the type size, by kind of letter.
+_NARROW, _SMALL, _LARGE, _WIDE, _FULL = 0.33, 0.61, 0.7, 0.9, 1.0
 
 
 def plain(text: object, limit: int = 120) -> str:
@@ -22,9 +24,17 @@ def _drawable(letter: str) -> bool:
 
 def width(text: str, size: float) -> float:
     """About how wide ``text`` is in points when set in ``size`` points."""
-    return (
-        _WIDTH * size * sum(2.0 if unicodedata.east_asian_width(c) in "WF" else 1.0 for c in text)
-    )
+    return size * sum(_advance(c) for c in text)
+
+
+def _advance(letter: str) -> float:
+    if letter in " .,:;!|'()[]iIjlftr·-":
+        return _NARROW
+    if letter in "mwMW@%—…":
+        return _WIDE
+    if unicodedata.east_asian_width(letter) in "WF":
+        return _FULL
+    return _LARGE if letter.isupper() else _SMALL
 
 
 def fitted(
@@ -73,7 +83,10 @@ def seconds(value: float) -> str:
 
 def percent(probability: float) -> str:
     """A probability to read, never rounded to certainty."""
-    if 0.0 < probability < 0.001 or 0.999 < probability < 1.0:
-        rest = min(probability, 1.0 - probability)
-        return f"{'1 − ' if probability > 0.5 else ''}{rest:.0e}".replace("e-0", "e-")
-    return f"{100.0 * probability:.3g} %"
+    rest = min(probability, 1.0 - probability)
+    if rest <= 0.0:
+        return f"{100.0 * probability:.0f} %"
+    if rest < 1e-7:
+        return "under 0.00001 %" if probability < 0.5 else "over 99.99999 %"
+    digits = max(0, -math.floor(math.log10(100.0 * rest)))
+    return f"{100.0 * probability:.{digits}f} %"

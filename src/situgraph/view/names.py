@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,21 +22,21 @@ _USED = 0.9  # of the space across a room
 
 def draw_names(
     axes: Axes, shapes: Sequence[Shape], scale: float, config: ViewConfig,
-    texts: Mapping[str, str] | None = None, color: str = palette.INK,
+    only: Container[str] | None = None,
 ) -> int:  # fmt: skip
-    """Write the rooms' names (or ``texts`` by room id); returns how many had no space."""
-    wanted = [s for s in shapes if texts is None or s.id in texts]
+    """Write the names of the rooms (of those ``only``); returns how many had no space."""
+    wanted = [s for s in shapes if only is None or s.id in only]
     left_out = 0
     for shape, (x, y), (across, up) in zip(wanted, *_spaces(wanted, scale, config)):
-        name = plain(shape.name if texts is None else texts[shape.id], 60)
+        name = plain(shape.name, 60)
         fit = fitted(name, _USED * across, _USED * up, config.smallest_text, _LARGEST)
         if fit is None:
             left_out += 1
             continue
         text, size = fit
         axes.text(
-            x, y, text, fontsize=round(size, 1), color=color, ha="center", va="center", zorder=4.3,
-            parse_math=False, linespacing=1.15, clip_on=True,
+            x, y, text, fontsize=round(size, 1), color=palette.INK, ha="center", va="center",
+            zorder=6.0, parse_math=False, linespacing=1.15, clip_on=True,
             bbox={"facecolor": palette.FLOOR, "edgecolor": "none", "alpha": 0.75, "pad": 0.6},
         )  # fmt: skip
     return left_out
@@ -47,9 +47,10 @@ def _spaces(shapes: Sequence[Shape], scale: float, config: ViewConfig) -> tuple[
     import shapely
 
     at = np.array([s.center for s in shapes], dtype=float).reshape(-1, 2)
-    space = np.full((len(shapes), 2), 40.0)  # a room without outline: its dot has space around it
+    space = np.full((len(shapes), 2), 40.0)
     for i, shape in enumerate(shapes):
-        if shape.outline is None:
+        if shape.outline is None:  # the name stands below the dot
+            at[i, 1] -= 12.0 / scale
             continue
         size = np.ptp(shape.outline.polygon, axis=0) * scale
         space[i] = size

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Final
 
+import msgspec
 import numpy as np
 
 from situgraph.geometry.poses import Array, pose_to_matrix
 from situgraph.scenegraph.graph import Object
 from situgraph.view import palette
-from situgraph.view.config import ViewConfig
 from situgraph.view.faces import Faces
 from situgraph.view.floors import Floor, Shape
 from situgraph.view.glyphs import glyphs
 from situgraph.view.openings import Opening
+from situgraph.view.outlines import Outline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,34 +24,49 @@ _READABLE_DOOR = 2.5  # points, a narrower door is a gap in the wall
 _READABLE_OBJECT = 2.0  # points a metre, below which objects are left out
 _DOUBLE = 1.35  # m, wider doors have two leaves
 _ARC = np.linspace(0.0, 0.5 * np.pi, 13)
-_DASHES = (3.0, 2.2)
+NO_WALL: Final = (3.0, 2.2)  # dashes, in line widths
+ENDLESS: Final = (5.0, 4.0)
+CUT: Final = (1.2, 2.2)
 
 
-def draw_floor(
-    axes: Axes, floor: Floor, scale: float, config: ViewConfig,
-    fills: Mapping[str, str] | None = None, objects: bool = True,
-) -> None:  # fmt: skip
-    """Rooms, walls, doors, windows, objects and path of a storey; names are ``draw_names``.
+class Look(msgspec.Struct, frozen=True):
+    """The colours of a drawn storey, and whether its objects and path are drawn."""
 
-    ``scale`` is in points a metre; ``fills`` gives rooms another colour than the usual one.
+    wall: str = palette.WALL
+    one_face: str = palette.WALL_ONE
+    door: str = palette.DOOR
+    window: str = palette.WINDOW
+    contents: bool = True
+
+
+PLAIN: Final = Look()
+# A plan that something else is drawn over.
+UNDER: Final = Look(
+    palette.WALL_ONE, palette.HAIRLINE, palette.UNEXPLAINED, palette.UNEXPLAINED, False
+)
+
+
+def draw_floor(axes: Axes, floor: Floor, scale: float, look: Look = PLAIN) -> None:
+    """Rooms, walls, doors, windows, objects and path of a storey; for names: ``draw_names``.
+
+    ``scale`` is in points a metre.
     """
-    _rooms(axes, floor.rooms, fills or {})
+    _rooms(axes, floor.rooms)
     if floor.walls.solid or floor.walls.one_face:
-        fill_rings(axes, floor.walls.one_face, palette.WALL_ONE, 2.0)
-        fill_rings(axes, floor.walls.solid, palette.WALL, 2.1)
-        strokes(axes, floor.walls.edges, palette.WALL, 0.7, 2.2)
+        fill_rings(axes, floor.walls.one_face, look.one_face, 2.0)
+        fill_rings(axes, floor.walls.solid, look.wall, 2.1)
+        strokes(axes, floor.walls.edges, look.wall, 0.7, 2.2)
     else:
         real = floor.faces.only(~floor.faces.virtual & floor.faces.in_room)
-        strokes(axes, real.segments, palette.WALL, min(0.9, max(0.15, 0.12 * scale)), 2.2)
-    strokes(
-        axes, floor.faces.only(floor.faces.virtual).segments, palette.UNEXPLAINED, 0.7, 2.3, _DASHES
-    )
+        strokes(axes, real.segments, look.wall, min(0.9, max(0.15, 0.12 * scale)), 2.2)
+    virtual = floor.faces.only(floor.faces.virtual)
+    strokes(axes, virtual.segments, palette.UNEXPLAINED, 0.7, 2.3, NO_WALL)
     endless = floor.faces.only(floor.faces.infinite)
-    strokes(axes, endless.segments, palette.WALL_ONE, 0.6, 1.5, (5.0, 4.0))
-    _loose_faces(axes, floor.loose_faces(), scale)
-    _doors(axes, [o for o in floor.openings if o.kind == "door"], scale)
-    _windows(axes, [o for o in floor.openings if o.kind == "window"], scale)
-    if objects:
+    strokes(axes, endless.segments, palette.WALL_ONE, 0.6, 1.5, ENDLESS)
+    _loose_faces(axes, floor.loose_faces(), scale, look.wall)
+    _doors(axes, [o for o in floor.openings if o.kind == "door"], scale, look.door)
+    _windows(axes, [o for o in floor.openings if o.kind == "window"], scale, look)
+    if look.contents:
         draw_objects(axes, floor.objects, scale)
         draw_path(axes, floor.path)
 
@@ -104,51 +120,37 @@ def fill_rings(axes: Axes, polygons: Sequence[tuple[Array, ...]], color: str, or
         axes.add_patch(PathPatch(path, facecolor=color, edgecolor="none", zorder=order))
 
 
-def _rooms(axes: Axes, shapes: Iterable[Shape], fills: Mapping[str, str]) -> None:
-    outlined = [(s, s.outline) for s in shapes if s.outline is not None]
-    polygons = [outline.polygon for _, outline in outlined]
-    colors = [fills.get(s.id, palette.FLOOR) for s, _ in outlined]
-    fill_polygons(axes, polygons, colors, 1.0)
-    given = [o.polygon for _, o in outlined if not o.derived]
+def _rooms(axes: Axes, shapes: Iterable[Shape]) -> None:
+    outlines = [s.outline for s in shapes if s.outline is not None]
+    fill_polygons(axes, [o.polygon for o in outlines], palette.FLOOR, 1.0)
+    given = [o.polygon for o in outlines if not o.derived]
     fill_polygons(axes, given, "none", 1.1, palette.FLOOR_EDGE, 0.5)
-    strokes(
-        axes,
-        open_edges(outline for _, outline in outlined),
-        palette.UNEXPLAINED,
-        0.7,
-        1.2,
-        (1.2, 2.2),
-    )
+    strokes(axes, open_edges(outlines), palette.UNEXPLAINED, 0.7, 1.2, CUT)
     lost = np.array([s.center for s in shapes if s.outline is None]).reshape(-1, 2)
     if len(lost):
         axes.scatter(lost[:, 0], lost[:, 1], s=70.0, facecolors="none", linestyles="dotted",
                      edgecolors=palette.UNEXPLAINED, linewidths=0.8, zorder=1.2)  # fmt: skip
 
 
-def open_edges(outlines: Iterable[object]) -> list[Array]:
+def open_edges(outlines: Iterable[Outline]) -> list[Array]:
     """The edges where a room is cut off because nothing bounds it."""
-    from situgraph.view.outlines import Outline
-
     found = []
-    for outline in outlines:
-        assert isinstance(outline, Outline)
-        after = np.roll(outline.polygon, -1, axis=0)
-        found += [
-            np.stack([a, b]) for a, b, cut in zip(outline.polygon, after, outline.open) if cut
-        ]
+    for o in outlines:
+        after = np.roll(o.polygon, -1, axis=0)
+        found += [np.stack([a, b]) for a, b, cut in zip(o.polygon, after, o.open) if cut]
     return found
 
 
-def _loose_faces(axes: Axes, faces: Faces, scale: float) -> None:
+def _loose_faces(axes: Axes, faces: Faces, scale: float, color: str) -> None:
     """Faces of no room: a line, and a tick to the side they look to."""
-    strokes(axes, faces.segments, palette.WALL, 0.9, 2.2)
+    strokes(axes, faces.segments, color, 0.9, 2.2)
     if len(faces.ids):
         middle = faces.segments.mean(axis=1)
         ticks = np.stack([middle, middle + faces.normals * 5.0 / scale], axis=1)
-        strokes(axes, ticks, palette.WALL, 0.7, 2.2)
+        strokes(axes, ticks, color, 0.7, 2.2)
 
 
-def _doors(axes: Axes, doors: Sequence[Opening], scale: float) -> None:
+def _doors(axes: Axes, doors: Sequence[Opening], scale: float, color: str) -> None:
     fill_polygons(axes, [d.outline(margin=0.005) for d in doors], palette.FLOOR, 2.4)
     readable = [d for d in doors if 2.0 * d.half_width * scale >= _READABLE_DOOR]
     leaves, arcs, bare = [], [], []
@@ -162,9 +164,9 @@ def _doors(axes: Axes, doors: Sequence[Opening], scale: float) -> None:
             corners = door.outline()
             bare += [corners[[0, 1]], corners[[2, 3]]]
     width = min(1.0, 0.05 * scale + 0.25)
-    strokes(axes, leaves, palette.DOOR, 1.25 * width, 3.1)
-    strokes(axes, arcs, palette.DOOR, 0.55 * width, 3.0)
-    strokes(axes, bare, palette.DOOR, 0.6, 3.0, (2.0, 1.5))
+    strokes(axes, leaves, color, 1.25 * width, 3.1)
+    strokes(axes, arcs, color, 0.55 * width, 3.0)
+    strokes(axes, bare, color, 0.6, 3.0, (2.0, 1.5))
 
 
 def _hinges(door: Opening) -> list[tuple[Array, Array, float]]:
@@ -176,17 +178,17 @@ def _hinges(door: Opening) -> list[tuple[Array, Array, float]]:
     return [(front - w * t, t, w), (front + w * t, -t, w)]
 
 
-def _windows(axes: Axes, windows: Sequence[Opening], scale: float) -> None:
+def _windows(axes: Axes, windows: Sequence[Opening], scale: float, look: Look) -> None:
     corners = [w.outline() for w in windows]
     fill_polygons(axes, corners, palette.PAPER, 2.5)
     width = min(0.8, 0.04 * scale + 0.2)
-    strokes(axes, [np.concatenate([c, c[:1]]) for c in corners], palette.WALL, 0.7 * width, 3.0)
+    strokes(axes, [np.concatenate([c, c[:1]]) for c in corners], look.wall, 0.7 * width, 3.0)
     panes = [
         np.stack([c[0] + f * (c[3] - c[0]), c[1] + f * (c[2] - c[1])])
         for c in corners
         for f in (0.36, 0.64)
     ]
-    strokes(axes, panes, palette.WINDOW, width, 3.1)
+    strokes(axes, panes, look.window, width, 3.1)
 
 
 def draw_objects(axes: Axes, objects: Sequence[Object], scale: float) -> None:

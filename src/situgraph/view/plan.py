@@ -12,9 +12,10 @@ from situgraph.view.config import USUAL, ViewConfig
 from situgraph.view.floors import Building, Floor, survey
 from situgraph.view.glyphs import glyphs
 from situgraph.view.lettering import number, plain
+from situgraph.view.marginalia import Key
 from situgraph.view.names import draw_names
-from situgraph.view.pen import draw_floor
-from situgraph.view.sheet import Key, Panel, sheet, write
+from situgraph.view.pen import CUT, ENDLESS, NO_WALL, draw_floor
+from situgraph.view.sheet import Bounds, Page, Panel, blank, sheet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,34 +48,18 @@ def draw_graph(
     name = title or building.graph.name or "Scene graph"
     if bounds is None:
         return blank(name, "This graph holds nothing that could be drawn.", config)
-    page = sheet(
+    content = Page(
         name,
         summary(building),
-        captions(shown),
-        bounds,
-        legend(shown),
-        _notes(building, shown, floors),
-        config,
-        north(building.graph),
+        keys=legend(shown),
+        notes=_notes(building, shown, floors),
+        north=north(building.graph),
     )
+    page = sheet(content, captions(shown, bounds), config)
     for axes, floor in zip(page.panels, shown):
-        draw_floor(axes, floor, page.points_per_metre, config)
+        draw_floor(axes, floor, page.points_per_metre)
         draw_names(axes, floor.rooms, page.points_per_metre, config)
     return page.figure
-
-
-def blank(title: str, sentence: str, config: ViewConfig) -> Figure:
-    """A small page that says why there is no drawing."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(config.page_width, 2.0), facecolor=palette.PAPER)
-    page = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    page.set_axis_off()
-    page.set_xlim(0.0, config.page_width)
-    page.set_ylim(0.0, 2.0)
-    write(page, 0.42, 1.4, plain(title, 80), 18.0, va="center")
-    write(page, 0.42, 0.9, sentence, 10.0, palette.MUTED, va="center")
-    return figure
 
 
 def summary(building: Building) -> str:
@@ -95,18 +80,20 @@ def _count(count: int, thing: str) -> str:
     return f"{number(count)} {plural}"
 
 
-def captions(floors: Sequence[Floor]) -> list[Panel]:
+def captions(floors: Sequence[Floor], bounds: Bounds) -> list[Panel]:
     """Name, elevation and rooms of each storey; nothing for the only floor of a graph without."""
     if [f.key for f in floors] == [None]:
-        return [Panel()]
+        return [Panel(bounds)]
     rooms = [_count(len(f.rooms), "room") for f in floors]
     return [
-        Panel("no storey", r) if f.key is None else Panel(f.name, f"{f.elevation:+.2f} m  ·  {r}")
+        Panel(
+            bounds, f.name or "no storey", r if f.key is None else f"{f.elevation:+.2f} m  ·  {r}"
+        )
         for f, r in zip(floors, rooms)
     ]
 
 
-def _notes(building: Building, shown: Sequence[Floor], floors: Sequence[Floor]) -> list[str]:
+def _notes(building: Building, shown: Sequence[Floor], floors: Sequence[Floor]) -> tuple[str, ...]:
     notes = []
     if len(shown) < len(floors):
         notes.append(
@@ -116,10 +103,10 @@ def _notes(building: Building, shown: Sequence[Floor], floors: Sequence[Floor]) 
         codes = Counter(w.code for w in building.graph.warnings)
         listed = ", ".join(f"{code} {count}" for code, count in codes.most_common(6))
         notes.append(f"{_count(len(building.graph.warnings), 'warning')}: {listed}")
-    return notes
+    return tuple(notes)
 
 
-def legend(floors: Iterable[Floor]) -> list[Key]:
+def legend(floors: Iterable[Floor]) -> tuple[Key, ...]:
     """What occurs on these storeys, with counts."""
     floors = list(floors)
     keys = []
@@ -130,11 +117,11 @@ def legend(floors: Iterable[Floor]) -> list[Key]:
     if any(f.walls.loose for f in floors):
         keys.append(Key("face, tick to its free side", line=palette.WALL))
     if any(f.faces.infinite.any() for f in floors):
-        keys.append(Key("plane of no room", line=palette.WALL_ONE, dashes=(5.0, 4.0), width=0.8))
+        keys.append(Key("plane of no room", line=palette.WALL_ONE, dashes=ENDLESS, width=0.8))
     if any(f.faces.virtual.any() for f in floors):
-        keys.append(Key("no wall", line=palette.UNEXPLAINED, dashes=(3.0, 2.2)))
+        keys.append(Key("no wall", line=palette.UNEXPLAINED, dashes=NO_WALL))
     if any(s.outline is None or any(s.outline.open) for f in floors for s in f.rooms):
-        keys.append(Key("not bounded", line=palette.UNEXPLAINED, dashes=(1.2, 2.2)))
+        keys.append(Key("not bounded", line=palette.UNEXPLAINED, dashes=CUT))
     openings = Counter(o.kind for f in floors for o in f.openings)
     if openings["door"]:
         keys.append(Key(f"door {openings['door']}", line=palette.DOOR, width=1.6))
@@ -148,7 +135,7 @@ def legend(floors: Iterable[Floor]) -> list[Key]:
         keys.append(Key(text, patch=glyph.face, marker=glyph.marker, edge=glyph.edge))
     if any(len(f.path) for f in floors):
         keys.append(Key("path", line=palette.PATH))
-    return keys
+    return tuple(keys)
 
 
 def north(graph: SceneGraph) -> float | None:
