@@ -35,7 +35,7 @@ def draw_floor(
     elif symmetric:
         return _doubled(kind, rooms, config, rng)
     else:
-        floor = _half(kind, rooms, config, rng)
+        floor = _drawn(kind, rooms, 1.0, config, rng)
     if kind == "wings" and symmetric:
         return floor
     low, high = floor.corners.min(axis=0), floor.corners.max(axis=0)
@@ -57,7 +57,7 @@ def half_turn_partners(points: Array) -> Index:
     return np.asarray(partner, dtype=np.int64)
 
 
-def _half(kind: Kind, rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
+def _drawn(kind: Kind, rooms: int, stretch: float, config: LayoutConfig, rng: Rng) -> Floor:
     draw = {
         "random": kinds.random_floor,
         "storeys": kinds.random_floor,
@@ -65,7 +65,7 @@ def _half(kind: Kind, rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
         "corridor": kinds.corridor_floor,
         "lshaped": kinds.lshaped_floor,
     }[kind]
-    return draw(rooms, config, rng)
+    return draw(rooms, config, rng, stretch)
 
 
 def _doubled(kind: Kind, rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
@@ -75,7 +75,7 @@ def _doubled(kind: Kind, rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
     parts = []
     reach = config.corridor_width * 1.5
     if rooms > 1:
-        half = _half(kind, rooms // 2, config, rng)
+        half = _drawn(kind, rooms // 2, 2.0, config, rng)
         low, high = half.corners.min(axis=0), half.corners.max(axis=0)
         shift = (-0.5 * (low[0] + high[0]), 0.5 * width * hall - low[1])
         half = Floor(half.corners + shift, half.first, half.thickness)

@@ -1,6 +1,7 @@
 """The kinds of floors: each function draws one floor plan with a given number of rooms.
 
-Every floor starts at y = 0 with a straight outline, so that its half turn can stand against it.
+Every floor starts at y = 0 with a straight outline, so that its half turn can stand against it;
+``stretch`` makes a floor that many times longer in x than in y than it would be.
 """
 
 from __future__ import annotations
@@ -20,18 +21,18 @@ Rng = np.random.Generator
 _CELLS = 2.5
 
 
-def random_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
+def random_floor(rooms: int, config: LayoutConfig, rng: Rng, stretch: float = 1.0) -> Floor:
     """Random rectangles: cells of random width and depth, two to four cells a room.
 
     After the paper's 'Synthetic dataset' (the generator of its reference reasoning_v1).
     """
-    boxes = _random_boxes(rooms, SMALL, config, rng)
+    boxes = _random_boxes(rooms, SMALL, stretch, config, rng)
     return from_boxes(boxes, _thickness(rooms, config, rng))
 
 
-def lshaped_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
+def lshaped_floor(rooms: int, config: LayoutConfig, rng: Rng, stretch: float = 1.0) -> Floor:
     """Random rooms of which many big ones are L-shaped, with another room in the notch."""
-    boxes = _random_boxes(rooms, LARGE, config, rng)
+    boxes = _random_boxes(rooms, LARGE, stretch, config, rng)
     side = np.minimum(boxes[:, 2] - boxes[:, 0], boxes[:, 3] - boxes[:, 1])
     cut = (side > 2.0 * config.cell_min) & (rng.random(rooms) < config.lshaped_share)
     # A cut box makes two rooms; the boxes of the last rows are given up for them.
@@ -47,9 +48,9 @@ def lshaped_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
     return from_outlines(outlines, _thickness(len(outlines), config, rng))
 
 
-def modular_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
+def modular_floor(rooms: int, config: LayoutConfig, rng: Rng, stretch: float = 1.0) -> Floor:
     """Rows of rooms whose widths and depths are a few multiples of one planning module."""
-    return _rows(rooms, (2, 3, 4), (3, 4), config, rng)
+    return _rows(rooms, stretch, (2, 3, 4), (3, 4), config, rng)
 
 
 def grid_floor(shape: tuple[int, int], config: LayoutConfig, rng: Rng) -> Floor:
@@ -63,12 +64,12 @@ def grid_floor(shape: tuple[int, int], config: LayoutConfig, rng: Rng) -> Floor:
     return from_boxes(boxes, np.full(len(boxes), thickness))
 
 
-def corridor_floor(rooms: int, config: LayoutConfig, rng: Rng) -> Floor:
+def corridor_floor(rooms: int, config: LayoutConfig, rng: Rng, stretch: float = 1.0) -> Floor:
     """Corridors with offices on both sides, side by side along a cross corridor.
 
-    About one room in nine is a corridor; fewer than four rooms are one corridor and offices.
+    About one room in nine is a corridor.
     """
-    corridors = max(1, round(rooms / 9.0)) if rooms > 1 else 0
+    corridors = max(1, round(rooms / (9.0 * stretch))) if rooms > 1 else 0
     spine = 1 if corridors > 1 else 0
     offices = rooms - corridors - spine
     per_side = np.full(2 * corridors, offices // max(1, 2 * corridors))
@@ -97,8 +98,10 @@ def grid_shape(rooms: int) -> tuple[int, int]:
     return rooms // rows, rows
 
 
-def _random_boxes(rooms: int, shapes: Shapes, config: LayoutConfig, rng: Rng) -> Array:
-    aspect = rng.uniform(0.6, 1.7)
+def _random_boxes(
+    rooms: int, shapes: Shapes, stretch: float, config: LayoutConfig, rng: Rng
+) -> Array:
+    aspect = stretch * rng.uniform(0.6, 1.7)
     columns = min(rooms, max(1, round(math.sqrt(_CELLS * rooms * aspect))))
     cells = fill_cells(rooms, columns, rng, shapes)
     x = grid_lines(columns, config.cell_min, config.cell_max, rng)
@@ -126,9 +129,14 @@ def _cut_corner(box: Array, rng: Rng) -> list[Array]:
 
 
 def _rows(
-    rooms: int, widths: tuple[int, ...], depths: tuple[int, ...], config: LayoutConfig, rng: Rng
+    rooms: int,
+    stretch: float,
+    widths: tuple[int, ...],
+    depths: tuple[int, ...],
+    config: LayoutConfig,
+    rng: Rng,
 ) -> Floor:
-    per_row = max(1, round(math.sqrt(rooms * rng.uniform(0.7, 1.6))))
+    per_row = max(1, round(math.sqrt(stretch * rooms * rng.uniform(0.7, 1.6))))
     boxes: list[tuple[float, float, float, float]] = []
     y, length = 0.0, 0.0
     while len(boxes) < rooms:

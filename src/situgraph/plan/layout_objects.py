@@ -126,7 +126,7 @@ def arrangement(count: int, faces: Faces, rng: Rng) -> Items:
     if count == 0 or len(rectangular) == 0:
         return nothing()
     base = first[rectangular]
-    base = base + (faces.length[base + 1] > faces.length[base])
+    base = base + (faces.length[base + 1] > faces.length[base] + 1e-6)
     parts = [_slot(*slot, rectangular, base, first, faces) for slot in _slots(count, rng)]
     return all_of(parts)
 
@@ -137,10 +137,14 @@ def _slots(count: int, rng: Rng) -> list[tuple[int, int, float, float]]:
     if count % 2:
         slots.append((_kind_of("column"), -1, 0.5, 0.5))
     allowed = [k for k, kind in enumerate(KINDS) if kind.category != "stairs"]
-    for n in range(count // 2):
-        kind = int(rng.choice(allowed)) if n > 1 else n
-        u, v = rng.uniform(0.2, 0.8), rng.uniform(0.15, 0.4)
-        side = int(rng.integers(2)) if KINDS[kind].on_wall else -1
+    # A door and windows first, then anything; the pairs of one side share its length out.
+    kinds = [n if n < 2 else int(rng.choice(allowed)) for n in range(count // 2)]
+    sides = [int(rng.integers(2)) if KINDS[k].on_wall else -1 for k in kinds]
+    placed = dict.fromkeys((-1, 0, 1), 0)
+    for kind, side in zip(kinds, sides, strict=True):
+        strip = (placed[side] + rng.uniform(0.35, 0.65)) / sides.count(side)
+        placed[side] += 1
+        u, v = 0.1 + 0.8 * strip, rng.uniform(0.2, 0.4)
         slots.append((kind, side, u, v))
         slots.append((kind, side + 2, u, v) if side >= 0 else (kind, -1, 1.0 - u, 1.0 - v))
     return slots
