@@ -8,34 +8,41 @@ from situgraph.plan.audit import Audit, audit, boundary_warnings, homeless
 from situgraph.plan.backing import Backing, WallFaces, backing, wall_faces
 from situgraph.plan.building import Building, Element
 from situgraph.plan.config import PlanConfig
-from situgraph.plan.contents import Placed, RoomIndex, ellipsoid, place_all
+from situgraph.plan.contents import Placed, ellipsoid, find_contents
+from situgraph.plan.derived import derive_rooms
 from situgraph.plan.faces import Face
-from situgraph.plan.hosting import room_faces
-from situgraph.plan.openings import filling_box
 from situgraph.plan.rooms import RoomShape, room_shape
 from situgraph.plan.storeys import Storeys, find_storeys
 from situgraph.scenegraph.graph import Object, Plane, Room, Scalar, SceneGraph, Vec2, Warning
 
 
 def assemble(building: Building, config: PlanConfig) -> SceneGraph:
-    """The A-Graph of a building that has rooms, in the building frame (less its offset)."""
+    """The A-Graph of a building, in the building frame less ``building.offset``.
+
+    Rooms come from its spaces, or from its walls when it has none.
+    """
     shapes, lost = _shapes(building.spaces, config)
+    derived = not building.spaces
+    if derived:
+        shapes = derive_rooms(building, config)
     shapes, storeys = _by_storey(shapes, building, config)
     walls = wall_faces(building.walls, config)
-    boxes = {f.key: filling_box(f, walls) for f in building.fillings}
-    placed = place_all(building, boxes, room_faces(shapes), RoomIndex(shapes), config)
+    contents = find_contents(building, walls, shapes, config)
+    placed = contents.placed
     audited = audit(building, placed, shapes)
     planes, plane_ids = _planes(shapes, walls, building, config)
-    rooms = tuple(_room(i, s, storeys, plane_ids[i]) for i, s in enumerate(shapes))
+    rooms = tuple(_room(i, s, storeys, plane_ids[i], derived) for i, s in enumerate(shapes))
     objects = tuple(_object(i, p, plane_ids, audited, config) for i, p in enumerate(placed))
     warnings = [
-        *building.warnings, *_floorless(lost), *storeys.warnings, *_odd_rooms(shapes),
+        *building.warnings, *_derived(derived, shapes), *_floorless(lost),
+        *storeys.warnings, *_odd_rooms(shapes), *contents.warnings,
         *homeless(placed), *boundary_warnings(audited, placed, shapes),
     ]  # fmt: skip
     offset = dict(zip(("offset_x", "offset_y", "offset_z"), building.offset, strict=True))
     attributes: dict[str, Scalar] = {**building.attributes, **audited.attributes()}
+    if building.name:
+        attributes["building"] = building.name
     return SceneGraph(
-        name=building.name,
         kind="prior",
         storeys=storeys.storeys,
         rooms=rooms,
@@ -77,7 +84,7 @@ def _planes(
     for shape in shapes:
         ids.append([])
         for face in shape.faces:
-            behind = backing(face, walls, config.wall_gap)
+            behind = backing(face, walls, config)
             key = f"p{len(planes)}"
             planes.append(_plane(key, face, behind, sources, config))
             ids[-1].append(key)
@@ -106,11 +113,13 @@ def _plane(
     )
 
 
-def _room(number: int, shape: RoomShape, storeys: Storeys, planes: Sequence[str]) -> Room:
+def _room(
+    number: int, shape: RoomShape, storeys: Storeys, planes: Sequence[str], derived: bool
+) -> Room:
     element = shape.element
     x, y = _center(shape)
     attributes: dict[str, Scalar] = {
-        "guid": element.guid,
+        **({"derived": True} if derived else {"guid": element.guid}),
         "area": round(float(shape.outline.area), 4),
         "bottom": round(shape.bottom, 4),
         "height": round(shape.top - shape.bottom, 4),
@@ -167,6 +176,12 @@ def _object(
         confidence=1.0,
         attributes=attributes,
     )
+
+
+def _derived(derived: bool, shapes: Sequence[RoomShape]) -> Iterator[Warning]:
+    if derived:
+        message = f"the model has no spaces: {len(shapes)} rooms are derived from its walls"
+        yield Warning("rooms-derived", message, tuple(f"r{i}" for i in range(len(shapes))))
 
 
 def _floorless(lost: Sequence[Element]) -> Iterator[Warning]:

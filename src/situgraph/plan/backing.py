@@ -15,6 +15,7 @@ from situgraph.plan.config import PlanConfig
 from situgraph.plan.faces import Face, Span, vertical_faces
 
 PARALLEL = float(np.cos(np.radians(5.0)))
+STEP = 0.2  # m; a wall that begins this far above a room's floor still stands on it
 HALF = 0.5  # a wall stands behind a stretch of face when it covers this share of its height
 
 
@@ -58,13 +59,13 @@ def wall_faces(walls: Sequence[Element], config: PlanConfig) -> WallFaces:
     return WallFaces(table[:, :2], ends, table[:, 6], table[:, 7], table[:, 8].astype(np.int64))
 
 
-def backing(face: Face, walls: WallFaces, gap: float) -> Backing:
-    """How much of a room's face has a wall face of the same sense within ``gap`` metres.
+def backing(face: Face, walls: WallFaces, config: PlanConfig) -> Backing:
+    """How much of a room's face has a wall face of the same sense within ``wall_gap``.
 
     A room's inward normal and the outward normal of the wall behind it point the same way. Both
     signs of the distance count: some models draw rooms to the middle of their walls.
     """
-    found, along, gaps = _near(face, walls, gap)
+    found, along, gaps = _near(face, walls, config.wall_gap)
     if not len(gaps):
         return Backing(0.0)
     covered = 0.0
@@ -72,7 +73,7 @@ def backing(face: Face, walls: WallFaces, gap: float) -> Backing:
     gap_of: dict[int, float] = {}
     for lo, hi in _stretches(face.spans, along):
         over = np.flatnonzero((along[:, 0] <= lo + 1e-9) & (along[:, 1] >= hi - 1e-9))
-        if _height(found, over, face) < HALF * face.height:
+        if not len(over) or not _stands(found, over, face, config.knee_wall):
             continue
         covered += hi - lo
         best = over[np.argmin(np.abs(gaps[over]))]
@@ -106,12 +107,16 @@ def _stretches(spans: Sequence[Span], along: Array) -> list[Span]:
     return out
 
 
-def _height(walls: WallFaces, rows: NDArray[np.intp], face: Face) -> float:
-    """The height (m) of the face that these wall faces cover together."""
+def _stands(walls: WallFaces, rows: NDArray[np.intp], face: Face, knee: float) -> bool:
+    """Whether these wall faces cover half of the face's height, or stand ``knee`` m on its floor.
+
+    A knee wall below a roof is a wall; a lintel over a passage is none.
+    """
     low = np.maximum(walls.bottom[rows], face.bottom)
     high = np.minimum(walls.top[rows], face.top)
-    total, reached = 0.0, -np.inf
+    total, reached, standing = 0.0, -np.inf, face.bottom + STEP
     for k in np.argsort(low, kind="stable"):
         total += max(0.0, float(high[k] - max(low[k], reached)))
         reached = max(reached, float(high[k]))
-    return total
+        standing = max(standing, float(high[k])) if low[k] <= standing else standing
+    return total >= HALF * face.height or standing - face.bottom >= max(knee, 2.0 * STEP)

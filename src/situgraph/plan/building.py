@@ -68,8 +68,9 @@ class Element(msgspec.Struct, frozen=True):
 class Filling(msgspec.Struct, frozen=True):
     """A door, window or bare opening.
 
-    ``mesh`` is the hole it stands in when there is one, else its own body; ``host`` the key of the
-    wall the hole is in; ``across`` the horizontal unit direction through it, where it is stated.
+    ``mesh`` is the hole it stands in when there is one (``in_hole``), else its own body; ``host``
+    the key of the wall it is in or part of; ``across`` the horizontal unit direction through it,
+    where the file states it.
     """
 
     key: int
@@ -81,6 +82,7 @@ class Filling(msgspec.Struct, frozen=True):
     host: int | None = None
     level: int | None = None
     leaf: bool = True
+    in_hole: bool = False
     across: tuple[float, float] | None = None
 
 

@@ -42,6 +42,9 @@ class PlanConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     wall_gap: Annotated[
         float, _meta("A wall face this near a room's face is behind it", "m", _SURVEY, ge=0, le=2)
     ] = 0.3
+    knee_wall: Annotated[
+        float, _meta("A wall this high above the floor stands behind a face", "m", _SURVEY, ge=0)
+    ] = 0.4
     virtual_share: Annotated[
         float,
         _meta("A face with less of its length backed is virtual", "1", _SURVEY, ge=0, le=1),

@@ -9,15 +9,19 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
+from situgraph.plan.backing import WallFaces
 from situgraph.plan.building import Building, Element, Filling
 from situgraph.plan.config import PlanConfig
-from situgraph.plan.hosting import Host, RoomFaces, hosts
-from situgraph.plan.openings import Box, extent_box
+from situgraph.plan.hosting import Host, RoomFaces, hosts, room_faces
+from situgraph.plan.openings import Box, extent_box, filling_box
 from situgraph.plan.rooms import RoomShape
-from situgraph.scenegraph.graph import Ellipsoid
+from situgraph.scenegraph.graph import Ellipsoid, Warning
 
 if TYPE_CHECKING:
     from shapely import STRtree
+
+
+SAME_PLACE = 0.1  # m; doors whose centres and half sizes differ less are one door
 
 
 class Placed(msgspec.Struct, frozen=True):
@@ -146,15 +150,59 @@ def _corners(box: Box) -> list[tuple[float, float]]:
     ]
 
 
-def place_all(
-    building: Building,
-    boxes: Mapping[int, Box],
-    faces: RoomFaces,
-    rooms: RoomIndex,
-    config: PlanConfig,
-) -> list[Placed]:
-    """Doors, then windows, then fixtures, each in file order."""
-    placed = [place_filling(f, boxes[f.key], faces, rooms, config) for f in building.fillings]
-    found = [p for p in placed if p is not None]
-    found.sort(key=lambda p: p.category != "door")
-    return found + [place_fixture(e, rooms) for e in building.fixtures]
+class Contents(msgspec.Struct, frozen=True):
+    """What stands in a building: the objects, and which bodies were not made one and why."""
+
+    placed: tuple[Placed, ...]
+    warnings: tuple[Warning, ...]
+
+
+def find_contents(
+    building: Building, walls: WallFaces, shapes: Sequence[RoomShape], config: PlanConfig
+) -> Contents:
+    """Doors, then windows, then fixtures, each in file order.
+
+    A door that the file holds twice in one place is one door; bare openings that are no passages
+    and fixtures outside all rooms (trees, cars, terraces) are left out.
+    """
+    faces, rooms = room_faces(shapes), RoomIndex(shapes)
+    boxes = {f.key: filling_box(f, walls) for f in building.fillings}
+    once = _once(building.fillings, boxes)
+    made = {f.key: place_filling(f, boxes[f.key], faces, rooms, config) for f in once}
+    placed = [p for p in made.values() if p is not None]
+    placed.sort(key=lambda p: p.category != "door")
+    fixtures = [place_fixture(e, rooms) for e in building.fixtures]
+    left_out: dict[str, list[Filling | Element]] = {
+        "duplicate-object": [f for f in building.fillings if f.key not in made],
+        "opening-left-out": [f for f in once if made[f.key] is None],
+        "outside-object": [p.source for p in fixtures if not p.rooms],
+    }
+    warnings = [
+        Warning(code, f"{len(found)} {_LEFT_OUT[code]}", tuple(e.guid for e in found))
+        for code, found in left_out.items()
+        if found
+    ]
+    return Contents((*placed, *(p for p in fixtures if p.rooms)), tuple(warnings))
+
+
+_LEFT_OUT = {
+    "duplicate-object": "doors or windows stand a second time in the same place and are left out",
+    "opening-left-out": "bare openings are no passages between rooms and are left out",
+    "outside-object": "fixtures stand in no room and are left out",
+}
+
+
+def _once(fillings: Sequence[Filling], boxes: Mapping[int, Box]) -> list[Filling]:
+    """Fillings without those that repeat an earlier one; the one whose host is known stays."""
+    kept: list[Filling] = []
+    for filling in sorted(fillings, key=lambda f: (f.host is None, f.key)):
+        box = boxes[filling.key]
+        same = (boxes[k.key] for k in kept if k.category == filling.category)
+        if not any(_is_same(box, other) for other in same):
+            kept.append(filling)
+    return sorted(kept, key=lambda f: f.key)
+
+
+def _is_same(one: Box, other: Box) -> bool:
+    pairs = (*zip(one.center, other.center, strict=True), *zip(one.half, other.half, strict=True))
+    return all(abs(a - b) <= SAME_PLACE for a, b in pairs)

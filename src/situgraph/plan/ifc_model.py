@@ -179,6 +179,7 @@ def _filling(entity: Any, mesh: Mesh, hole: Any | None) -> Filling:
         mesh=mesh,
         host=None if host is None else int(host.id()),
         level=_level(entity),
+        in_hole=hole is not None,
         leaf=not entity.is_a("IfcOpeningElement"),
         across=_across(entity) if hole is None else None,
     )
