@@ -17,6 +17,8 @@ settings.register_profile("situgraph", deadline=None, derandomize=True)
 settings.load_profile("situgraph")
 
 REPOSITORY = Path(__file__).resolve().parents[1]
+# Not the user's cache, but one that outlives the run: compiling the matcher takes its time.
+os.environ["SITUGRAPH_CACHE"] = str(REPOSITORY / ".pytest_cache" / "situgraph")
 
 
 @pytest.fixture(scope="session")
@@ -34,9 +36,9 @@ def shared_data() -> Path:
     return folder
 
 
-@pytest.fixture(autouse=True)
-def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """No test reads or fills the user's plan cache."""
-    folder = tmp_path_factory.getbasetemp() / "situgraph-cache"
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache for plans, for this test only."""
+    folder = tmp_path / "situgraph-cache"
     monkeypatch.setenv("SITUGRAPH_CACHE", str(folder))
     return folder

@@ -148,12 +148,14 @@ def _cached_ifc(source: Path, config: PlanConfig) -> SceneGraph:
     import msgspec
 
     from situgraph import __version__
-    from situgraph.cache import content_key, plan_cache
+    from situgraph.cache import code_key, content_key, plan_cache
     from situgraph.scenegraph.codec import decode, encode
 
     cache = plan_cache()
-    # The name is part of the key because the graph is named after the file.
-    key = content_key(source, __version__, source.name, msgspec.json.encode(config).decode())
+    code = code_key("geometry", "scenegraph", "plan")
+    settings = msgspec.json.encode(config).decode()
+    # The name is part of the key because warnings and graph may be named after the file.
+    key = content_key(source, __version__, code, settings, source.name)
     kept = cache.get(key)
     if kept is not None:
         try:

@@ -57,6 +57,20 @@ def content_key(path: Path, *context: str) -> str:
     return digest.hexdigest()
 
 
+@functools.cache
+def code_key(*packages: str) -> str:
+    """A key that changes with the source of these packages of situgraph.
+
+    Results of code that is being worked on must not outlive it, and it keeps its version number.
+    """
+    here = Path(__file__).parent
+    digest = hashlib.sha256()
+    for package in packages:
+        for path in sorted((here / package).glob("*.py")):
+            digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
 class Cache:
     """Entries of one kind in one folder, the oldest removed when they grow over ``max_bytes``."""
 

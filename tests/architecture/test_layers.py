@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-FLOORS = {
+FLOORS: dict[str, float] = {
     "errors": 0,
     "geometry": 1,
     "scenegraph": 2,
+    "cache": 2.5,
     "plan": 3,
     "io": 3,
     "slam": 3,
@@ -19,7 +20,6 @@ FLOORS = {
     "view": 3,
     "coupling": 4,
     "sim": 4,
-    "cache": 5,
     "config": 5,
     "api": 5,
     "pipeline": 5,
@@ -27,7 +27,7 @@ FLOORS = {
     "cli": 7,
 }
 # Floor 5 is not a set of independent stages: these lean on each other in one direction.
-NEIGHBOURS = {("api", "cache"), ("api", "config"), ("pipeline", "api"), ("pipeline", "config")}
+NEIGHBOURS = {("api", "config"), ("pipeline", "api"), ("pipeline", "config")}
 
 SOURCES = Path(__file__).resolve().parents[2] / "src" / "situgraph"
 MODULES = sorted(SOURCES.rglob("*.py"))

@@ -1,0 +1,1 @@
+"""The experiments, one module each with one entry, on one resumable runner."""

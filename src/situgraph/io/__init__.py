@@ -1,0 +1,1 @@
+"""Logs in and out: recordings, bags, S-Graphs+ logs, trajectories."""
