@@ -83,8 +83,9 @@ def _sentence(item: Advice, room: str | None, side: str | None) -> str:
 
 
 def draw_advice(
-    match: Match, online: SceneGraph, prior: SceneGraph | Building, config: ViewConfig = USUAL
-) -> Figure:
+    match: Match, online: SceneGraph, prior: SceneGraph | Building, config: ViewConfig = USUAL,
+    *, heading: bool = True,
+) -> Figure:  # fmt: skip
     """Draw what to look for, and on which wall, over the most probable placement.
 
     Raises:
@@ -95,7 +96,9 @@ def draw_advice(
     found = spots(record.disambiguation, plan)
     title = "What to look for next"
     if not found:
-        return blank(title, "Nothing that would tell the solutions apart is known.", config)
+        return blank(
+            title, "Nothing that would tell the solutions apart is known.", config, heading
+        )
     best = record.solutions[0] if record.solutions else None
     levels = sorted({s.level for s in found})[: config.max_panels]
     panels = [
@@ -107,7 +110,8 @@ def draw_advice(
         Key("where the most probable solution has the robot", patch=palette.MATCH[0], alpha=0.45),
     )
     subtitle = "\n".join(f"{s.number}.  {s.sentence}" for s in found)
-    page = sheet(Page(title, subtitle, palette.ADVICE, keys, (), north(plan.graph)), panels, config)
+    content = Page(title, subtitle, palette.ADVICE, keys, north=north(plan.graph), heading=heading)
+    page = sheet(content, panels, config)
     over = None if best is None else lay_over(plan, online, best, config)
     for axes, level, panel in zip(page.panels, levels, panels):
         if over is not None:

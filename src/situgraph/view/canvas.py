@@ -56,13 +56,20 @@ def inline_svg(figure: Figure, name: str, label: str) -> str:
     text = svg_text(figure)
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
-    text = re.sub(r'\bid="([^"]*)"', rf'id="{name}-\1"', text)
-    text = re.sub(r'xlink:href="#([^"]*)"', rf'xlink:href="#{name}-\1"', text)
-    text = re.sub(r"url\(#([^)]*)\)", rf"url(#{name}-\1)", text)
-    text = re.sub(r"(?:fill|stroke): (#[0-9a-f]{6})", _variable, text)
+    text = re.sub(r"<style.*?</style>", "", text, count=1, flags=re.DOTALL)  # the page has it
+    # Only inside tags: a room may be called id="x" or fill: #ffffff.
+    text = re.sub(r"<[^>]*>", lambda tag: _local(tag[0], name), text)
     head, rest = text.split(">", 1)
     head = re.sub(r'\s(?:width|height)="[^"]*"', "", head)
     return f'{head} role="img" aria-label="{escape(label)}">{rest}'
+
+
+def _local(tag: str, name: str) -> str:
+    """A tag with ids of its own and colours that follow the page."""
+    tag = re.sub(r'\bid="([^"]*)"', rf'id="{name}-\1"', tag)
+    tag = re.sub(r'xlink:href="#([^"]*)"', rf'xlink:href="#{name}-\1"', tag)
+    tag = re.sub(r"url\(#([^)]*)\)", rf"url(#{name}-\1)", tag)
+    return re.sub(r"(?:fill|stroke): (#[0-9a-f]{6})", _variable, tag)
 
 
 def _variable(match: re.Match[str]) -> str:

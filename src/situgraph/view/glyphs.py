@@ -28,7 +28,7 @@ _KNOWN = MappingProxyType(
         "stairs": Glyph("^", palette.WALL_ONE, palette.WALL),
         "ramp": Glyph(">", palette.WALL_ONE, palette.WALL),
         "elevator": Glyph("X", palette.WALL_ONE, palette.WALL),
-        "railing": Glyph("_", palette.WALL, palette.WALL),
+        "railing": Glyph("d", palette.WALL_ONE, palette.WALL),
         "chimney": Glyph("P", palette.WALL_ONE, palette.WALL),
         "furniture": Glyph("s"),
         "table": Glyph("h"),

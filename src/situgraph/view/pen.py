@@ -204,24 +204,20 @@ def draw_objects(axes: Axes, objects: Sequence[Object], scale: float) -> None:
 
 
 def _footprints(axes: Axes, objects: Sequence[Object], scale: float) -> None:
-    from matplotlib.collections import EllipseCollection
-
+    """A rectangle as long and wide as each object's ellipsoid."""
     ellipsoids = [o.ellipsoid for o in objects if o.ellipsoid is not None]
     if not ellipsoids:
         return
     turn = pose_to_matrix([(0.0, 0.0, 0.0, *e.rotation) for e in ellipsoids])[:, :2, :3]
     shape = turn * np.array([e.axes for e in ellipsoids])[:, None, :]
+    # The columns of ``half`` are the half axes of the ellipsoid's shadow on the floor.
     values, vectors = np.linalg.eigh(shape @ np.swapaxes(shape, 1, 2))
-    size = 2.0 * np.sqrt(np.maximum(values, 0.0))
-    angle = np.degrees(np.arctan2(vectors[:, 1, 1], vectors[:, 0, 1]))
-    axes.add_collection(
-        EllipseCollection(
-            size[:, 1], size[:, 0], angle, units="xy", offsets=[o.center[:2] for o in objects],
-            offset_transform=axes.transData, facecolors=palette.HAIRLINE, alpha=0.45,
-            edgecolors=palette.OBJECT, linewidths=min(0.5, 0.02 * scale), zorder=3.5,
-        ),
-        autolim=False,
-    )  # fmt: skip
+    half = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+    signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    centers = np.array([o.center[:2] for o in objects])
+    corners = centers[:, None, :] + signs @ np.swapaxes(half, 1, 2)
+    width = min(0.5, 0.02 * scale)
+    fill_polygons(axes, list(corners), palette.HAIRLINE, 3.5, palette.OBJECT, width, alpha=0.5)
 
 
 def draw_path(axes: Axes, path: Array, color: str = palette.PATH) -> None:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from situgraph.scenegraph.graph import SceneGraph
-from situgraph.view import palette
+from situgraph.view.axonometry import draw_stack
 from situgraph.view.config import USUAL, ViewConfig
 from situgraph.view.floors import Building, Floor, survey
-from situgraph.view.glyphs import glyphs
-from situgraph.view.lettering import number, plain
-from situgraph.view.marginalia import Key
+from situgraph.view.legend import plan_legend
+from situgraph.view.lettering import number
 from situgraph.view.names import draw_names
-from situgraph.view.pen import CUT, ENDLESS, NO_WALL, draw_floor
+from situgraph.view.pen import draw_floor
 from situgraph.view.sheet import Bounds, Page, Panel, blank, sheet
 
 if TYPE_CHECKING:
@@ -29,6 +28,7 @@ def draw_graph(
     *,
     storeys: Sequence[str] = (),
     title: str | None = None,
+    heading: bool = True,
 ) -> Figure:
     """Draw a scene graph in plan view, one panel for each storey, lowest first.
 
@@ -37,6 +37,7 @@ def draw_graph(
         config: sizes and limits.
         storeys: ids or names of the storeys to draw; all when empty.
         title: instead of the graph's name.
+        heading: whether the picture carries its title.
 
     Raises:
         InputError: there is no storey of that name.
@@ -47,18 +48,21 @@ def draw_graph(
     bounds = building.bounds(shown)
     name = title or building.graph.name or "Scene graph"
     if bounds is None:
-        return blank(name, "This graph holds nothing that could be drawn.", config)
+        return blank(name, "This graph holds nothing that could be drawn.", config, heading)
     content = Page(
         name,
         summary(building),
-        keys=legend(shown),
+        keys=plan_legend(shown),
         notes=_notes(building, shown, floors),
         north=north(building.graph),
+        heading=heading,
     )
     page = sheet(content, captions(shown, bounds), config)
     for axes, floor in zip(page.panels, shown):
         draw_floor(axes, floor, page.points_per_metre)
         draw_names(axes, floor.rooms, page.points_per_metre, config)
+    if page.spare is not None and len(shown) > 1:
+        draw_stack(page, page.spare, shown)
     return page.figure
 
 
@@ -104,38 +108,6 @@ def _notes(building: Building, shown: Sequence[Floor], floors: Sequence[Floor]) 
         listed = ", ".join(f"{code} {count}" for code, count in codes.most_common(6))
         notes.append(f"{_count(len(building.graph.warnings), 'warning')}: {listed}")
     return tuple(notes)
-
-
-def legend(floors: Iterable[Floor]) -> tuple[Key, ...]:
-    """What occurs on these storeys, with counts."""
-    floors = list(floors)
-    keys = []
-    if any(f.walls.solid for f in floors):
-        keys.append(Key("wall", patch=palette.WALL))
-    if any(f.walls.one_face for f in floors):
-        keys.append(Key("wall, one face known", patch=palette.WALL_ONE, edge=palette.WALL))
-    if any(f.walls.loose for f in floors):
-        keys.append(Key("face, tick to its free side", line=palette.WALL))
-    if any(f.faces.infinite.any() for f in floors):
-        keys.append(Key("plane of no room", line=palette.WALL_ONE, dashes=ENDLESS, width=0.8))
-    if any(f.faces.virtual.any() for f in floors):
-        keys.append(Key("no wall", line=palette.UNEXPLAINED, dashes=NO_WALL))
-    if any(s.outline is None or any(s.outline.open) for f in floors for s in f.rooms):
-        keys.append(Key("not bounded", line=palette.UNEXPLAINED, dashes=CUT))
-    openings = Counter(o.kind for f in floors for o in f.openings)
-    if openings["door"]:
-        keys.append(Key(f"door {openings['door']}", line=palette.DOOR, width=1.6))
-    if openings["window"]:
-        keys.append(Key(f"window {openings['window']}", line=palette.WINDOW, width=1.6))
-    others = Counter(o.category for f in floors for o in f.objects)
-    for name, glyph in glyphs(others).items():
-        text = f"{plain(name.replace('_', ' '), 24)} {others[name]}"
-        if name in ("door", "window"):
-            text += " in no wall"
-        keys.append(Key(text, patch=glyph.face, marker=glyph.marker, edge=glyph.edge))
-    if any(len(f.path) for f in floors):
-        keys.append(Key("path", line=palette.PATH))
-    return tuple(keys)
 
 
 def north(graph: SceneGraph) -> float | None:

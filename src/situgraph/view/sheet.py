@@ -60,7 +60,7 @@ class Page(msgspec.Struct, frozen=True):
     """What stands around the panels.
 
     ``north`` is the direction of true north in the drawing (radians from x); ``corner`` the inches
-    left free at the upper right.
+    left free at the upper right. Without ``heading`` title and subtitle are left out.
     """
 
     title: str
@@ -70,15 +70,20 @@ class Page(msgspec.Struct, frozen=True):
     notes: tuple[str, ...] = ()
     north: float | None = None
     corner: float = 0.0
+    heading: bool = True
 
 
 class Sheet(msgspec.Struct, frozen=True):
-    """A figure, the axes of its panels (in metres) and of the page (in inches), and the scale."""
+    """A figure, the axes of its panels (in metres) and of the page (in inches), and the scale.
+
+    ``spare`` is a place left over in the grid of panels: x, y, width and height in inches.
+    """
 
     figure: Figure
     panels: tuple[Axes, ...]
     page: Axes
     points_per_metre: float
+    spare: Bounds | None = None
 
 
 def sheet(content: Page, panels: Sequence[Panel], config: ViewConfig) -> Sheet:
@@ -99,7 +104,7 @@ def sheet(content: Page, panels: Sequence[Panel], config: ViewConfig) -> Sheet:
         for s in _wrapped(line, free - content.corner, _SUBTITLE)
     ]
     notes = [s for note in content.notes for s in _wrapped(note, free - 2.2, _SMALL)]
-    top = max(MARGIN + 0.36 + _SUBTITLE_LINE * len(words) + 0.24, content.corner and MARGIN + 1.0)
+    top = _top(content, len(words))
     bottom = MARGIN + LEGEND_LINE * len(legend) + 0.36 + NOTE_LINE * len(notes)
     below = [_below(p, w) for p in panels]
     caption = _CAPTION if any(p.name or p.note for p in panels) else 0.0
@@ -107,16 +112,23 @@ def sheet(content: Page, panels: Sequence[Panel], config: ViewConfig) -> Sheet:
     height = top + rows * (h + caption) + (rows - 1) * _GAP + bottom
     figure = Figure(figsize=(breadth, height), facecolor=palette.PAPER)
     page = _page(figure, breadth, height)
-    _head(page, content, words, height)
+    if content.heading:
+        _head(page, content, words, height)
+    places = [
+        (
+            0.5 * (breadth - across) + column * (w + _GAP),
+            height - top - (row + 1) * (h + caption) - row * _GAP,
+        )
+        for row in range(rows)
+        for column in range(columns)
+    ]
     axes = []
-    for index, (panel, view) in enumerate(zip(panels, views)):
-        row, column = divmod(index, columns)
-        x = 0.5 * (breadth - across) + column * (w + _GAP)
-        y = height - top - (row + 1) * (h + caption) - row * _GAP
+    for panel, view, remarks, (x, y) in zip(panels, views, below, places):
         axes.append(add_axes(figure, (x, y, w, h), view))
-        _caption(page, panel, x, y + h + caption, below[index])
+        _caption(page, panel, x, y + h + caption, remarks)
     _foot(page, content, legend, notes, scale)
-    return Sheet(figure, tuple(axes), page, scale * _POINTS)
+    spare = (*places[-1], w, h) if len(panels) < len(places) else None
+    return Sheet(figure, tuple(axes), page, scale * _POINTS, spare)
 
 
 def add_axes(figure: Figure, box: tuple[float, float, float, float], view: Bounds) -> Axes:
@@ -130,12 +142,13 @@ def add_axes(figure: Figure, box: tuple[float, float, float, float], view: Bound
     return axes
 
 
-def blank(title: str, sentence: str, config: ViewConfig) -> Figure:
+def blank(title: str, sentence: str, config: ViewConfig, heading: bool = True) -> Figure:
     """A small page that says why there is no drawing."""
     from matplotlib.figure import Figure
 
     lines = _wrapped(sentence, config.page_width - 2.0 * MARGIN, _SUBTITLE)
     height = 1.2 + _SUBTITLE_LINE * len(lines)
+    title = title if heading else ""
     figure = Figure(figsize=(config.page_width, height), facecolor=palette.PAPER)
     _head(_page(figure, config.page_width, height), Page(title), lines, height)
     return figure
@@ -164,6 +177,14 @@ def _grid(count: int, w: float, h: float, page_width: float) -> tuple[int, int, 
         if scale > _WORTH_A_ROW * best[2]:
             best = (rows, columns, scale)
     return best
+
+
+def _top(content: Page, lines: int) -> float:
+    """The height of everything above the panels."""
+    corner = MARGIN + 1.05 if content.corner else 0.0
+    if not content.heading:
+        return max(corner, 0.15 if content.north is None else MARGIN + 0.5)
+    return max(corner, MARGIN + 0.6 + _SUBTITLE_LINE * lines)
 
 
 def _page(figure: Figure, width: float, height: float) -> Axes:
@@ -211,7 +232,8 @@ def _foot(
     right = page.get_xlim()[1] - MARGIN
     scale_bar(page, right, MARGIN - 0.06, scale)
     if content.north is not None:
-        north_arrow(page, right - 2.1, MARGIN + 0.06, content.north)
+        top = page.get_ylim()[1] - MARGIN - 0.25
+        north_arrow(page, right - content.corner - 0.15, top, content.north)
     y = MARGIN - 0.08
     for note in reversed(notes):
         write(page, MARGIN, y, note, _SMALL, palette.MUTED)

@@ -47,17 +47,15 @@ def wall_bodies(
     half = 0.5 * config.wall_gap
     closed = rooms.buffer(half, join_style="mitre", mitre_limit=2.0)
     closed = shapely.union(closed.buffer(-half, join_style="mitre", mitre_limit=2.0), rooms)
-    cut = _union(
-        [shapely.polygons(o.outline(margin=0.5 * config.wall_gap)) for o in openings]
-        + _behind(faces.only(faces.virtual), config.wall_gap)
-    )
+    holes = _union([shapely.polygons(o.outline(0.5 * config.wall_gap)) for o in openings])
+    cut = shapely.union(holes, _union(_behind(faces.only(faces.virtual), config.wall_gap)))
     real = faces.only(~faces.virtual)
     pairs = _union(_between(faces.only(~faces.infinite & ~faces.virtual), config.wall_gap))
     solid = shapely.difference(shapely.difference(shapely.union(closed, pairs), rooms), cut)
     lines = shapely.linestrings(real.only(real.in_room).segments)
     band = _union(list(shapely.buffer(lines, config.one_face_thickness, cap_style="square")))
     band = shapely.difference(shapely.difference(band, shapely.union(closed, pairs)), cut)
-    seen = shapely.difference(shapely.multilinestrings(lines), cut)
+    seen = shapely.difference(shapely.multilinestrings(lines), holes)
     edges = tuple(shapely.get_coordinates(part) for part in shapely.get_parts(seen))
     loose = _uncovered(real.only(~real.in_room & ~real.infinite), pairs)
     return Walls(_rings(_without_slivers(solid)), _rings(_without_slivers(band)), edges, loose)
