@@ -105,7 +105,7 @@ def read_plan(
     if kind == "osm":
         from situgraph.plan.osmag import read_osm
 
-        return read_osm(source)
+        return read_osm(source, config)
     if kind != "ifc":
         return load_prior(source)
     from situgraph.plan.config import PlanConfig
