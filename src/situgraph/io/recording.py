@@ -52,8 +52,10 @@ class Scan:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """An RGB-D image of one moment. ``rgb`` (h, w, 3) uint8; ``depth`` (h, w) float32, metres along
-    the optical axis, 0 where there is none, aligned to ``rgb``. Either may be None, not both.
+    """An RGB-D image of one moment.
+
+    ``rgb`` (h, w, 3) uint8; ``depth`` (h, w) float32, metres along the optical axis, 0 where there
+    is none, aligned to ``rgb``. Either may be None, not both.
     """
 
     stamp: float
@@ -86,8 +88,8 @@ class RecordingInfo:
     start: float
     duration: float
     counts: Mapping[Stream, int]
-    base_T_lidar: Pose | None = None
-    base_T_camera: Pose | None = None
+    base_T_lidar: Pose | None = None  # noqa: N815
+    base_T_camera: Pose | None = None  # noqa: N815
     sensors: Mapping[str, str] = field(default_factory=dict)
 
 

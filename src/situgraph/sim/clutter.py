@@ -10,7 +10,9 @@ import numpy as np
 
 from situgraph.geometry.poses import Array
 from situgraph.scenegraph.graph import Ellipsoid, Object, SceneGraph
-from situgraph.sim.levels import Level
+from situgraph.sim.flights import CATEGORIES
+from situgraph.sim.furniture import Solid
+from situgraph.sim.levels import Level, across_of
 from situgraph.sim.mesh import edges
 
 # Category and half sizes (m): along the wall, off the wall, upwards.
@@ -21,6 +23,9 @@ _PIECES = (
     ("desk", 0.6, 0.35, 0.37),
     ("sofa", 0.8, 0.4, 0.4),
 )
+WALKED_UNDER = 1.2  # m; what hangs higher is in nobody's way
+_LANE = 0.85  # m; straight through a door the way is clear this far ...
+_BODY = 0.33  # m; ... and this wide to either side
 _ELBOW = 0.9  # m; a new piece keeps this far from the middle of what is there
 _CLEAR = 0.25  # m; a picture keeps this far from openings and corners
 
@@ -33,6 +38,34 @@ class Picture:
     half: Array
     yaw: float
     room: str
+
+
+def in_doorways(plan: SceneGraph) -> tuple[str, ...]:
+    """The ids of objects that stand in the way of who walks straight through an inner door."""
+    import shapely
+
+    lanes = []
+    for door in plan.objects:
+        if door.category == "door" and len(door.rooms) > 1:
+            reach = across_of(door, plan) * _LANE
+            ends = [door.center[:2] - reach, door.center[:2] + reach]
+            lanes.append(shapely.LineString(ends).buffer(_BODY, cap_style="flat"))
+    tree = shapely.STRtree(lanes)
+    found = []
+    for item in plan.objects:
+        if item.category in {"door", "window"} | CATEGORIES:
+            continue
+        solid = Solid(item, -np.inf, np.inf)
+        body = shapely.Polygon(solid.footprint())
+        if len(tree.query(body, predicate="intersects")) and not _overhead(item, solid, plan):
+            found.append(item.id)
+    return tuple(found)
+
+
+def _overhead(item: Object, solid: Solid, plan: SceneGraph) -> bool:
+    named = [plan.room_by_id[r].storey or "" for r in item.rooms]
+    floors = [plan.storey_by_id[s].elevation for s in named if s in plan.storey_by_id]
+    return solid.low > min(floors, default=0.0) + WALKED_UNDER
 
 
 def extra_furniture(plan: SceneGraph, count: int, rng: np.random.Generator) -> list[Object]:

@@ -32,10 +32,10 @@ class WorldConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     ] = 0.3
     door_angle_low: Annotated[
         float, _meta("Smallest angle of an open door leaf", "rad", _CHOICE, ge=0.8, le=3)
-    ] = 1.2
+    ] = 1.45
     door_angle_high: Annotated[
         float, _meta("Largest angle of an open door leaf", "rad", _CHOICE, ge=0.8, le=3)
-    ] = 1.75
+    ] = 1.9
     closed_doors: Annotated[
         float, _meta("Share of doors between rooms that stay shut", "1", _CHOICE, ge=0, le=1)
     ] = 0.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from situgraph.geometry.poses import Array
 from situgraph.scenegraph.graph import Object, Plane, Room, SceneGraph
-from situgraph.sim.clutter import extra_furniture
+from situgraph.sim.clutter import extra_furniture, in_doorways
 from situgraph.sim.config import WorldConfig
 
 _BACK = 0.6  # m; two faces back to back within this are one wall
@@ -26,10 +26,11 @@ class Deviation(msgspec.Struct, frozen=True):
     """One difference between plan and building.
 
     ``moved-wall``: each of its ``ids`` (planes) lies ``offsets`` m from the plan, positive along
-    the planned inward normal. ``missing-door`` and ``extra-furniture``: the object's id.
+    the planned inward normal. ``missing-door``, ``extra-furniture`` and ``left-out`` (a thing that
+    would have blocked a door): the object's id.
     """
 
-    kind: Literal["moved-wall", "missing-door", "extra-furniture"]
+    kind: Literal["moved-wall", "missing-door", "extra-furniture", "left-out"]
     ids: tuple[str, ...]
     offsets: tuple[float, ...] = ()
 
@@ -39,11 +40,15 @@ def deviate(
 ) -> tuple[SceneGraph, tuple[Deviation, ...]]:
     """The graph of the building as built and its deviations, as many as ``config`` asks for.
 
+    What the plan puts in the way of a door is always left out: a robot has to drive.
     ``keep`` are doors that must stay (the robot has to pass). Fewer changes are made where the
     plan offers no more: walls whose move would break a room stay.
     """
     built = plan
     done: list[Deviation] = []
+    for name in in_doorways(plan):
+        built = without(built, name)
+        done.append(Deviation("left-out", (name,)))
     groups = _walls(plan) if config.moved_walls else []
     for index in rng.permutation(len(groups)):
         if sum(d.kind == "moved-wall" for d in done) == config.moved_walls:
@@ -56,12 +61,17 @@ def deviate(
     doors = [o.id for o in built.objects if o.category == "door" and len(o.rooms) > 1]
     free = [d for d in doors if d not in keep]
     for index in rng.permutation(len(free))[: config.missing_doors]:
-        built = built.replace(objects=tuple(o for o in built.objects if o.id != free[index]))
+        built = without(built, free[index])
         done.append(Deviation("missing-door", (free[index],)))
     for item in extra_furniture(built, config.extra_furniture, rng):
         built = built.replace(objects=(*built.objects, item))
         done.append(Deviation("extra-furniture", (item.id,)))
     return built, tuple(done)
+
+
+def without(plan: SceneGraph, name: str) -> SceneGraph:
+    """The plan without the object of that id."""
+    return plan.replace(objects=tuple(o for o in plan.objects if o.id != name))
 
 
 def move_wall(

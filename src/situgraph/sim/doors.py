@@ -20,6 +20,8 @@ _SASH = 0.06  # m, width of a window frame's profile
 _PROUD = 0.012  # m, how far frames stand out of the wall
 _LEAF = 0.04  # m, thickness of a leaf
 _DOUBLE = 1.4  # m, wider doors have two leaves
+_LANE = 0.7  # m; a leaf leaves the way straight through the door free this far ...
+_ROBOT = 0.24  # m; ... and this wide to either side
 _PANE = 0.01  # m, half the thickness of glass
 _BAR = 1.1  # m, windows wider than this have a bar
 
@@ -89,11 +91,14 @@ def hang(
     import shapely
 
     space = shapely.union_all([*level.rooms.values(), opening.polygon.buffer(0.02)])
+    reach = opening.across * (opening.depth / 2 + _LANE)
+    ends = [opening.middle - reach, opening.middle + reach]
+    taken = shapely.union(obstacles, shapely.LineString(ends).buffer(_ROBOT, cap_style="flat"))
     for choice in order:
         swings = _swings(opening, int(choice) % 2, int(choice) // 2, angle)
         area = shapely.union_all([s.polygon(0.01) for s in swings])
         tips = shapely.union_all([s.polygon(0.03) for s in swings])
-        if area.difference(space).area < 1e-3 and not tips.intersects(obstacles):
+        if area.difference(space).area < 1e-3 and not tips.intersects(taken):
             return Door(opening, "open", swings)
     return Door(opening, "none", ())
 

@@ -18,6 +18,8 @@ CATEGORIES = frozenset({"stair", "stairs", "ramp"})
 _SLOPE = math.radians(32.0)  # of a comfortable stair
 _STEEPEST = math.radians(48.0)
 _LANDING = 0.75  # m, free floor at the foot and at the head
+_ASIDE = 1.5  # m; a flight may stand this far beside its place in the plan
+_DOORWAY = 0.7  # m; and keeps this far off doors
 _HEADROOM = 2.0  # m
 _STEP = 0.17  # m, height of a step
 
@@ -53,6 +55,12 @@ class Flight:
         return self.strip(max(1.0 - _HEADROOM / rise, 0.0), 1.0, 0.05)
 
     @property
+    def approach(self) -> Any:
+        """The plan view of the flight and its landings: what has to be free of furniture."""
+        run = float(np.linalg.norm((self.head - self.foot)[:2]))
+        return self.strip(-_LANDING / run, 1.0 + _LANDING / run)
+
+    @property
     def low_part(self) -> Any:
         """What stands in the way on the lower floor."""
         return self.strip(0.0, 1.0)
@@ -63,9 +71,9 @@ def flights_of(
 ) -> tuple[tuple[Flight, ...], tuple[str, ...]]:
     """The flights between neighbouring levels, and sentences about those that do not fit.
 
-    A flight stands for each object of category stairs or ramp whose rooms are on two levels. It
-    runs through the object's centre along the object's x or y axis, whichever has more space, and
-    up the axis; its attribute ``up`` (``+x``, ``-x``, ``+y``, ``-y``) says otherwise.
+    A flight stands for each object of category stairs or ramp whose rooms are on two levels, near
+    the object's centre. It goes up along one of the object's own axes, where there is most space;
+    the attribute ``up`` (``+x``, ``-x``, ``+y``, ``-y``) says otherwise.
     """
     found, odd = [], []
     for item in plan.objects:
@@ -83,41 +91,58 @@ def flights_of(
 
 
 def _fitted(item: Object, lower: int, upper: int, levels: tuple[Level, ...]) -> Flight | None:
-    import shapely
-
+    """The flight along the axis with the most space, beside a wall so that one can pass it."""
     low, high = levels[lower], levels[upper]
-    rooms = [[lv.rooms[r] for r in item.rooms if r in lv.rooms] for lv in (low, high)]
-    space = shapely.union_all(rooms[0]).intersection(shapely.union_all(rooms[1]))
+    rooms, body = _space(item, low, high)
     rise = high.elevation - low.elevation
     center, turn = np.asarray(item.center[:2]), rotation2(yaw_of(item))
     axes = {"+x": turn[:, 0], "-x": -turn[:, 0], "+y": turn[:, 1], "-y": -turn[:, 1]}
     wish = item.attributes.get("up")
     choices = [axes[wish]] if isinstance(wish, str) and wish in axes else list(axes.values())
     half = item.ellipsoid.axes if item.ellipsoid else (0.6, 0.6, 1.0)
-    best: tuple[float, Array, float, float] | None = None
-    for ahead in choices:
-        width = min(max(2 * min(half[0], half[1]), 0.9), 1.4)
-        back, front = (_free(space, center, s * ahead, width) for s in (-1.0, 1.0))
-        run = back + front - 2 * _LANDING
-        if best is None or run > best[0] + 0.01:
-            best = (run, ahead, back, width)
-    assert best is not None
-    run, ahead, back, width = best
+    width = min(max(2 * min(half[0], half[1]), 0.9), 1.2)
     wanted = rise / math.tan(_SLOPE)
-    if run <= 0 or math.atan2(rise, min(run, wanted)) > _STEEPEST:
+    best: tuple[float, float, Array, Array] | None = None
+    for ahead in choices:
+        side = np.array([-ahead[1], ahead[0]])
+        for aside in np.arange(-_ASIDE, _ASIDE + 0.01, 0.1):
+            at = center + aside * side
+            back, front = (_room_for(rooms, body, at, s * ahead, width) for s in (-1.0, 1.0))
+            run = min(back + front, wanted)
+            lane = max(_free(rooms, at + k * side * width / 2, k * side, 0.0) for k in (-1.0, 1.0))
+            # First a gentle slope, then a lane to walk past it.
+            if best is None or (round(run, 1), lane) > best[:2]:
+                middle = np.clip(0.0, run / 2 - back, front - run / 2)
+                best = (round(run, 1), lane, at + float(middle) * ahead, ahead)
+    assert best is not None
+    run, _, at, ahead = best
+    if run <= 0 or math.atan2(rise, run) > _STEEPEST:
         return None
-    # The flight keeps to the object's place where there is more space than it needs.
-    shift = min(max(back - _LANDING - wanted / 2, 0.0), max(run - wanted, 0.0))
-    foot = center - ahead * (back - _LANDING - shift)
-    head = foot + ahead * min(run, wanted)
-    return Flight(
-        item,
-        lower,
-        upper,
-        np.array([*foot, low.elevation]),
-        np.array([*head, high.elevation]),
-        width,
-    )
+    foot, head = at - ahead * run / 2, at + ahead * run / 2
+    ends = (np.array([*foot, low.elevation]), np.array([*head, high.elevation]))
+    return Flight(item, lower, upper, *ends, width)
+
+
+def _room_for(rooms: Any, body: Any, at: Array, direction: Array, width: float) -> float:
+    """How far a flight can reach from ``at``: clear of doors, with a landing before the wall."""
+    landing = _free(rooms, at, direction, width) - _LANDING
+    return max(min(landing, _free(body, at, direction, width)), 0.0)
+
+
+def _space(item: Object, low: Level, high: Level) -> tuple[Any, Any]:
+    """The plan view common to its rooms on both levels, and what of it is clear of doors."""
+    import shapely
+
+    rooms, lanes = [], []
+    for level in (low, high):
+        rooms.append(shapely.union_all([level.rooms[r] for r in item.rooms if r in level.rooms]))
+        for o in level.openings:
+            if o.object.category == "door":
+                reach = o.across * (o.depth / 2 + _DOORWAY)
+                line = shapely.LineString([o.middle - reach, o.middle + reach])
+                lanes.append(line.buffer(o.width / 2, cap_style="flat"))
+    common = rooms[0].intersection(rooms[1])
+    return common, common.difference(shapely.union_all(lanes))
 
 
 def _free(space: Any, start: Array, direction: Array, width: float) -> float:
@@ -125,8 +150,9 @@ def _free(space: Any, start: Array, direction: Array, width: float) -> float:
     import shapely
 
     steps = np.arange(0.0, 30.0, 0.05)
-    side = np.array([-direction[1], direction[0]]) * (width / 2 + 0.05)
-    points = start + steps[:, None] * direction
+    half = max(width / 2 - 0.02, 0.0)
+    side = np.array([-direction[1], direction[0]]) * half
+    points = start + (steps[:, None] + 0.01) * direction
     inside = np.all([shapely.contains_xy(space, points + s * side) for s in (-1, 0, 1)], axis=0)
     return float(steps[np.argmin(inside)]) if not inside.all() else float(steps[-1])
 

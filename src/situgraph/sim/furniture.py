@@ -41,7 +41,7 @@ class Solid:
         self.yaw = yaw_of(item)
         center = np.asarray(item.center, dtype=float)
         low, high = center[2] - self.half[2], center[2] + self.half[2]
-        if item.category == "column":
+        if item.category == "column" and np.isfinite(ceiling - floor):
             low, high = floor, ceiling
         low, high = max(low, floor), min(high, ceiling - 0.01)
         if high - low < 0.02:

@@ -216,7 +216,7 @@ def _opening(
     import shapely
 
     center = np.asarray(item.center)
-    across = _across(item, plan)
+    across = across_of(item, plan)
     along = np.array([-across[1], across[0]])
     width = 2.0 * _reach(item, np.array([*along, 0.0]), 0.45)
     half = _reach(item, np.array([0.0, 0.0, 1.0]), 1.05 if item.category == "door" else 0.6)
@@ -249,7 +249,7 @@ def _opening(
     )
 
 
-def _across(item: Object, plan: SceneGraph) -> Array:
+def across_of(item: Object, plan: SceneGraph) -> Array:
     """The unit normal (2,) of the wall that ``item`` stands in, into its first room if known."""
     for plane in item.planes:
         normal = np.asarray(plan.plane_by_id[plane].normal[:2], dtype=float)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +22,6 @@ from situgraph.sim.site import Part, Site
 from situgraph.sim.structure import build_structure
 from situgraph.sim.textures import textures
 
-_WALKED_UNDER = 1.2  # m; what hangs higher is in nobody's way
 _LAMPS = 4.0  # m between the lamps of a room
 
 
@@ -40,8 +39,9 @@ class World:
     """Everything sensors and robot need to know about the building as built.
 
     ``mesh`` is relative to ``origin`` (3,), so that single precision suffices; ``parts[i]``
-    has ``id`` i and looks like ``materials[i]``; ``obstacles[i]`` is what stands on the floor of
-    ``levels[i]``, a shapely geometry; ``doors`` says how each door was built.
+    has ``id`` i and looks like ``materials[i]``. Of ``levels[i]``, ``bodies[i]`` are the plan views
+    (shapely) of objects that stand in the way, by id (of a door: its leaves), and ``obstacles[i]``
+    whatever else does: stairs and holes. ``doors`` says how each door was built.
     """
 
     graph: SceneGraph
@@ -54,6 +54,7 @@ class World:
     levels: tuple[Level, ...]
     doors: tuple[Door, ...]
     flights: tuple[Flight, ...]
+    bodies: tuple[Mapping[str, Any], ...]
     obstacles: tuple[Any, ...]
     notes: tuple[str, ...]
 
@@ -74,15 +75,17 @@ def build_world(graph: SceneGraph, config: WorldConfig, seed: int) -> World:
     site = Site(Looks(seed if config.texture_seed is None else config.texture_seed))
     rng = np.random.default_rng([seed, 7100])
     hung: list[Door] = []
-    obstacles = []
+    standing, obstacles = [], []
     for index, level in enumerate(levels):
-        bodies = _furnish(site, graph, level)
+        named = _furnish(site, graph, level)
+        bodies = list(named.values())
         hung += (built := _openings(site, level, bodies, config, rng))
         build_structure(site, level, graph, [f for f in ways if index in (f.lower, f.upper)], index)
         for picture in clutter.pictures(level, config.pictures, bodies, rng):
             part = site.part("picture", "picture", room=picture.room)
             site.mesh.box(picture.center, picture.half, picture.yaw, part)
-        obstacles.append(_obstacles(bodies, built, ways, index))
+        standing.append({**named, **_leaves(built)})
+        obstacles.append(_obstacles(ways, index))
     for flight in ways:
         part = site.part(flight.object.category, "flight", flight.object.id)
         flights.build_flight(site.mesh, flight, levels, part)
@@ -102,16 +105,17 @@ def build_world(graph: SceneGraph, config: WorldConfig, seed: int) -> World:
         levels,
         tuple(hung),
         ways,
+        tuple(standing),
         tuple(obstacles),
         (*notes, *more),
     )
 
 
-def _furnish(site: Site, graph: SceneGraph, level: Level) -> list[Any]:
-    """Build the objects that stand in the level's rooms; their plan views where in the way."""
+def _furnish(site: Site, graph: SceneGraph, level: Level) -> dict[str, Any]:
+    """Build the objects that stand in the level's rooms; plan views of those in the way, by id."""
     import shapely
 
-    bodies = []
+    bodies = {}
     for item in graph.objects:
         rooms = [r for r in item.rooms if r in level.rooms]
         if not rooms or item.category in {"door", "window"} or _is_flight(item, graph):
@@ -120,8 +124,8 @@ def _furnish(site: Site, graph: SceneGraph, level: Level) -> list[Any]:
         solid = furniture.Solid(item, level.elevation, ceiling)
         part = site.part(item.category, item.category, item.id, room=rooms[0])
         furniture.build(site.mesh, item.category, solid, part)
-        if solid.low < level.elevation + _WALKED_UNDER:
-            bodies.append(shapely.Polygon(solid.footprint()))
+        if solid.low < level.elevation + clutter.WALKED_UNDER:
+            bodies[item.id] = shapely.Polygon(solid.footprint())
     return bodies
 
 
@@ -156,13 +160,23 @@ def _openings(
     return hung
 
 
-def _obstacles(bodies: list[Any], built: list[Door], ways: tuple[Flight, ...], index: int) -> Any:
+def _leaves(doors: Sequence[Door]) -> dict[str, Any]:
+    """The plan views of leaves by their door's id."""
     import shapely
 
-    leaves = [s.polygon() for d in built for s in d.swings]
+    return {
+        d.opening.object.id: shapely.union_all([s.polygon() for s in d.swings])
+        for d in doors
+        if d.swings
+    }
+
+
+def _obstacles(ways: tuple[Flight, ...], index: int) -> Any:
+    import shapely
+
     stairs = [f.low_part for f in ways if f.lower == index]
     holes = [f.hole for f in ways if f.upper == index]
-    return shapely.union_all([*bodies, *leaves, *stairs, *holes])
+    return shapely.union_all([*stairs, *holes])
 
 
 def _ground(site: Site, levels: tuple[Level, ...]) -> None:

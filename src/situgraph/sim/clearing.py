@@ -1,0 +1,106 @@
+"""A world in which every room can be reached: what bars the only way is left out.
+
+Furniture goes, and so do the leaves of doors that open into a narrow place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from situgraph.geometry.poses import Array
+from situgraph.scenegraph.graph import SceneGraph
+from situgraph.sim.config import RobotConfig, SimConfig
+from situgraph.sim.deviations import Deviation, deviate, without
+from situgraph.sim.floors import Floor
+from situgraph.sim.world import World, build_world
+
+_ROUNDS = 4  # clearing one way can only bare another barrier so often
+
+
+def build_drivable(
+    plan: SceneGraph, config: SimConfig, rooms: Sequence[str], seed: int
+) -> tuple[World, tuple[Deviation, ...]]:
+    """The world as built and its deviations from ``plan``; see ``deviate``.
+
+    Raises:
+        InputError: the plan has no footprints to build from.
+    """
+    keep = _needed_doors(plan)
+    rng = np.random.default_rng([seed, 7200])
+    graph, deviations = deviate(plan, config.world, keep, rng)
+    for _ in range(_ROUNDS):
+        world = build_world(graph, config.world, seed)
+        barriers = _barriers(world, config.robot)
+        if not barriers:
+            break
+        for name in sorted(barriers):
+            if graph.object_by_id[name].category == "door":
+                graph = _unhinged(graph, name)
+            else:
+                graph = without(graph, name)
+                deviations = (*deviations, Deviation("left-out", (name,)))
+    return world, deviations
+
+
+def _unhinged(graph: SceneGraph, name: str) -> SceneGraph:
+    """The graph with the leaf of one door taken off."""
+    objects = tuple(
+        msgspec.structs.replace(o, attributes={**o.attributes, "state": "none"})
+        if o.id == name
+        else o
+        for o in graph.objects
+    )
+    return graph.replace(objects=objects)
+
+
+def _needed_doors(plan: SceneGraph) -> set[str]:
+    """Doors without which a room would be cut off: bridges of the graph of rooms and doors."""
+    import networkx as nx
+
+    doors = [o for o in plan.objects if o.category == "door" and len(o.rooms) > 1]
+    graph: Any = nx.Graph()
+    for door in doors:
+        graph.add_edge(*door.rooms[:2])
+    bridges = {frozenset(b) for b in nx.bridges(graph)} if doors else set()
+    return {d.id for d in doors if frozenset(d.rooms[:2]) in bridges}
+
+
+def _barriers(world: World, config: RobotConfig) -> set[str]:
+    """Objects on the way to rooms which could be reached without them."""
+    import shapely
+
+    found: set[str] = set()
+    for flight in world.flights:
+        for bodies in (world.bodies[flight.lower], world.bodies[flight.upper]):
+            found |= {k for k, b in bodies.items() if b.intersects(flight.approach)}
+    for index, level in enumerate(world.levels):
+        floor = Floor(world, index, config)
+        bare = Floor(world, index, config, furnished=False)
+        places = {r: _place(bare, shape) for r, shape in level.rooms.items()}
+        reached = {
+            r for r, shape in level.rooms.items() if (floor.main & floor.inside(shape)).any()
+        }
+        start = next(
+            (places[r] for r in level.rooms if r in reached and places[r] is not None), None
+        )
+        for room in level.rooms:
+            goal = places[room]
+            if room in reached or goal is None or start is None:
+                continue
+            way = bare.way(start, goal)
+            if way is not None:
+                line = shapely.LineString(way).buffer(config.radius)
+                found |= {k for k, b in world.bodies[index].items() if b.intersects(line)}
+    return found
+
+
+def _place(floor: Floor, shape: object) -> Array | None:
+    """The place (2,) with the most space in a room; None where the robot fits nowhere."""
+    inside = floor.inside(shape)
+    clearance = np.where(inside & floor.walkable, floor.clearance, 0.0)
+    row, column = np.unravel_index(int(np.argmax(clearance)), clearance.shape)
+    return floor.point(int(row), int(column)) if clearance[row, column] > 0 else None
