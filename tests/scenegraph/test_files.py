@@ -96,3 +96,30 @@ def test_an_empty_folder_may_be_filled(tmp_path: Path) -> None:
     with atomic_folder(target) as folder:
         (folder / "log").write_text("x")
     assert left_over(target) == ["log"]
+
+
+def test_a_link_is_followed_and_stays(tmp_path: Path) -> None:
+    (tmp_path / "link.json").symlink_to(tmp_path / "real.json")
+    for content in (b"one", b"two"):
+        write_atomic(tmp_path / "link.json", content)
+        assert (tmp_path / "real.json").read_bytes() == content
+        assert (tmp_path / "link.json").is_symlink()
+
+
+def test_a_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write_atomic(pipe, b"data")
+        assert os.read(reader, 10) == b"data"
+    finally:
+        os.close(reader)
+    assert pipe.is_fifo()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="Linux has a disk that is always full")
+def test_a_full_device_is_said() -> None:
+    with pytest.raises(InputError, match="/dev/full: cannot be written"):
+        write_atomic("/dev/full", b"data")
+    assert not os.path.isfile("/dev/full")

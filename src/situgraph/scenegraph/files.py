@@ -18,18 +18,25 @@ def write_atomic(path: str | os.PathLike[str], data: bytes) -> Path:
     """Write ``data`` to ``path`` in one step and return the path.
 
     The parent folders are made. Whatever happens, ``path`` holds the old content or the new one.
+    A symbolic link is followed; a device or pipe (``/dev/stdout``) is written to as it is.
 
     Raises:
         InputError: ``path`` is a directory, or its folder cannot be written to or is full.
     """
-    target = Path(path)
-    if target.is_dir():
-        raise InputError(target, "is a directory, not a file to write", "name a file in it")
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(path, "is a directory, not a file to write", "name a file in it")
+    target = Path(os.path.realpath(path))
     try:
+        if path.exists() and not path.is_file():
+            # A rename would put a file in the place of the device.
+            with open(path, "wb") as device:
+                device.write(data)
+            return path
         target.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     except OSError as error:
-        raise _cannot_write(target, error) from error
+        raise _cannot_write(path, error) from error
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
@@ -41,9 +48,9 @@ def write_atomic(path: str | os.PathLike[str], data: bytes) -> Path:
         with contextlib.suppress(OSError):
             os.unlink(name)
         if isinstance(error, OSError):
-            raise _cannot_write(target, error) from error
+            raise _cannot_write(path, error) from error
         raise
-    return target
+    return path
 
 
 @contextlib.contextmanager
