@@ -2,9 +2,9 @@
 
     python training/generate.py FRAMES/
 
-Layout seeds and texture seeds of the three splits are disjoint ranges (``SPLITS``), apart from those
-of the six-room building and of every simulation that situgraph ships; no building model of any file
-is used. Same seeds, same renderer: same frames.
+Layout seeds and texture seeds of the three splits are disjoint ranges (``SPLITS``), apart from
+those of the six-room building and of every simulation that situgraph ships; no building model of
+any file is used. Same seeds, same renderer: same frames.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ class Separable(nn.Module):
         )
         self.shortcut = stride == 1 and inputs == outputs
 
-    def forward(self, x: Tensor) -> Tensor:  # noqa: D102
+    def forward(self, x: Tensor) -> Tensor:
         y = self.body(x)
         return torch.relu(y + x if self.shortcut else y)
 
@@ -51,7 +51,7 @@ class Net(nn.Module):
         )
         self.head = nn.Sequential(Separable(w[0], 32), nn.Conv2d(32, classes, 1))
 
-    def forward(self, x: Tensor) -> Tensor:  # noqa: D102
+    def forward(self, x: Tensor) -> Tensor:
         x = self.refine(self.stem((x - 0.5) * 4.0))
         skips = []
         for stage in self.down:
