@@ -15,11 +15,10 @@ from situgraph.view.config import USUAL, ViewConfig
 from situgraph.view.floors import Building, survey
 from situgraph.view.lettering import plain
 from situgraph.view.marginalia import Key
-from situgraph.view.match import Match
 from situgraph.view.overlay import draw_overlay, lay_over
 from situgraph.view.pen import fill_polygons, strokes
 from situgraph.view.plan import north
-from situgraph.view.record import Advice, Solution, read_record
+from situgraph.view.record import Advice, Match, Solution, read_record
 from situgraph.view.sheet import Bounds, Page, Panel, blank, sheet
 
 if TYPE_CHECKING:

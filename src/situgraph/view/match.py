@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from situgraph.scenegraph.graph import SceneGraph
 from situgraph.view import palette
@@ -16,16 +15,15 @@ from situgraph.view.names import draw_names
 from situgraph.view.overlay import draw_overlay, lay_over
 from situgraph.view.pen import draw_floor
 from situgraph.view.plan import north
-from situgraph.view.record import HasDict, MatchRecord, read_record
+from situgraph.view.record import Match, MatchRecord, read_record
+from situgraph.view.rivals import draw_rivals
 from situgraph.view.sheet import Page, Panel, blank, sheet
 from situgraph.view.wording import figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Match = Mapping[str, Any] | HasDict | MatchRecord
-
-VERDICT_COLORS = {"unique": palette.GOOD, "ambiguous": palette.ADVICE, "none": palette.MOVED}
+__all__ = ["draw_match", "draw_rivals"]
 
 
 def draw_match(
@@ -57,7 +55,7 @@ def draw_match(
     record = read_record(match)
     plan = prior if isinstance(prior, Building) else survey(prior, config)
     title = f"{online.name or 'Online graph'} in {plan.graph.name or 'the plan'}: {record.verdict}"
-    color = VERDICT_COLORS[record.verdict]
+    color = palette.VERDICTS[record.verdict]
     if not solution < len(record.solutions):
         content = Page(title, record.reason, color, heading=heading)
         return _apart(content, online, plan, config)

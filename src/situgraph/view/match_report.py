@@ -13,9 +13,9 @@ from situgraph.view.advice import draw_advice, spots
 from situgraph.view.config import USUAL, ViewConfig
 from situgraph.view.floors import Building, survey
 from situgraph.view.lettering import metres, number, percent, seconds
-from situgraph.view.match import Match, draw_match
+from situgraph.view.match import draw_match
 from situgraph.view.plan import draw_graph
-from situgraph.view.record import MatchRecord, Solution, read_record
+from situgraph.view.record import Match, MatchRecord, Solution, read_record
 from situgraph.view.report import Report, Tone
 from situgraph.view.rivals import draw_rivals
 from situgraph.view.wording import difference

@@ -67,3 +67,5 @@ DARK: Final = MappingProxyType(
         MATCH[7]: "#c98d80",
     }
 )
+
+VERDICTS: Final = MappingProxyType({"unique": GOOD, "ambiguous": ADVICE, "none": MOVED})

@@ -73,9 +73,10 @@ class HasDict(Protocol):
         """The match JSON."""
 
 
-def read_record(
-    match: Mapping[str, Any] | HasDict | MatchRecord, source: object = "match"
-) -> MatchRecord:
+Match = Mapping[str, Any] | HasDict | MatchRecord
+
+
+def read_record(match: Match, source: object = "match") -> MatchRecord:
     """A match result or its JSON as a record.
 
     Raises:

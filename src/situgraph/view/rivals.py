@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from situgraph.scenegraph.graph import SceneGraph
+from situgraph.view import palette
 from situgraph.view.config import USUAL, ViewConfig
 from situgraph.view.floors import Building, survey
 from situgraph.view.keyplan import CORNER, draw_key_plan, wants_key_plan
 from situgraph.view.legend import match_legend
 from situgraph.view.lettering import number, percent
-from situgraph.view.match import VERDICT_COLORS, Match
 from situgraph.view.overlay import draw_overlay, lay_over
 from situgraph.view.plan import north
-from situgraph.view.record import Solution, read_record
+from situgraph.view.record import Match, Solution, read_record
 from situgraph.view.sheet import Page, Panel, blank, sheet
 from situgraph.view.wording import difference, figures
 
@@ -49,7 +49,7 @@ def draw_rivals(
         )
         panels.append(Panel(box, _rank(i, solution), "  ·  ".join(w for w in words if w)))
     here = [(str(i + 1), b) for i, (b, n) in enumerate(zip(bounds, levels)) if n == levels[0]]
-    storey, color = plan.floors[levels[0]], VERDICT_COLORS[record.verdict]
+    storey, color = plan.floors[levels[0]], palette.VERDICTS[record.verdict]
     fit = f"{number(record.count)} placements fit" if record.count > 1 else "one placement fits"
     rest = f"\nThe {len(shown)} most probable are drawn." if record.count > len(shown) else ""
     content = Page(
