@@ -11,9 +11,9 @@ from situgraph.plan.config import PlanConfig
 from situgraph.plan.contents import Placed, ellipsoid, find_contents
 from situgraph.plan.derived import derive_rooms
 from situgraph.plan.faces import Face
-from situgraph.plan.rooms import RoomShape, room_shape
+from situgraph.plan.rooms import RoomShape, center, overlaps, ring, room_shape
 from situgraph.plan.storeys import Storeys, find_storeys
-from situgraph.scenegraph.graph import Object, Plane, Room, Scalar, SceneGraph, Vec2, Warning
+from situgraph.scenegraph.graph import Object, Plane, Room, Scalar, SceneGraph, Warning
 
 
 def assemble(building: Building, config: PlanConfig) -> SceneGraph:
@@ -49,7 +49,7 @@ def assemble(building: Building, config: PlanConfig) -> SceneGraph:
         planes=planes,
         objects=objects,
         warnings=tuple(warnings),
-        modelled_categories=tuple(sorted({p.category for p in placed})),
+        modelled_categories=_modelled(building, placed),
         attributes={**attributes, **(offset if any(building.offset) else {})},
     )
 
@@ -117,7 +117,7 @@ def _room(
     number: int, shape: RoomShape, storeys: Storeys, planes: Sequence[str], derived: bool
 ) -> Room:
     element = shape.element
-    x, y = _center(shape)
+    x, y = center(shape)
     attributes: dict[str, Scalar] = {
         **({"derived": True} if derived else {"guid": element.guid}),
         "area": round(float(shape.outline.area), 4),
@@ -134,21 +134,9 @@ def _room(
         planes=tuple(planes),
         storey=f"s{storeys.of_room[number]}",
         name=element.name,
-        footprint=_ring(shape),
+        footprint=ring(shape),
         attributes=attributes,
     )
-
-
-def _center(shape: RoomShape) -> Vec2:
-    """The centroid of the floor, or a point inside where the centroid is outside."""
-    point = shape.outline.centroid
-    if not shape.outline.contains(point):
-        point = shape.outline.representative_point()
-    return float(point.x), float(point.y)
-
-
-def _ring(shape: RoomShape) -> tuple[Vec2, ...]:
-    return tuple((float(x), float(y)) for x, y in shape.outline.exterior.coords[:-1])
 
 
 def _object(
@@ -200,3 +188,6 @@ def _odd_rooms(shapes: Sequence[RoomShape]) -> Iterator[Warning]:
     if parts:
         message = f"{len(parts)} rooms have a floor in several parts; the largest is the footprint"
         yield Warning("room-in-parts", message, tuple(f"r{i}" for i in parts))
+    for one, other, share in overlaps(shapes):
+        message = f"rooms r{one} and r{other} share {share:.0%} of the smaller one's floor"
+        yield Warning("rooms-overlap", message, (f"r{one}", f"r{other}"))

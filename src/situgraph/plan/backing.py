@@ -30,17 +30,18 @@ class Backing(msgspec.Struct, frozen=True):
 class WallFaces(msgspec.Struct, frozen=True):
     """The vertical faces of all walls, one row a stretch; normals leave the wall.
 
-    ``normal`` (n, 2), ``ends`` (n, 2, 2) in the plan, ``bottom``, ``top`` and ``key`` (n,), the
-    number of the wall each belongs to.
+    ``normal`` (n, 2), ``ends`` (n, 2, 2) and ``middle`` (n, 2) in the plan, heights ``bottom`` and
+    ``top`` (n,), and ``key`` (n,), the number of the wall each belongs to.
     """
 
     normal: Array
     ends: Array
+    middle: Array
     bottom: Array
     top: Array
     key: NDArray[np.int64]
 
-    def rows(self, chosen: NDArray[np.bool_]) -> WallFaces:
+    def rows(self, chosen: NDArray[np.intp]) -> WallFaces:
         """Some of the rows."""
         return WallFaces(*(getattr(self, f)[chosen] for f in self.__struct_fields__))
 
@@ -56,7 +57,8 @@ def wall_faces(walls: Sequence[Element], config: PlanConfig) -> WallFaces:
             ]
     table = np.array(rows, dtype=float).reshape(-1, 9)
     ends = table[:, 2:6].reshape(-1, 2, 2)
-    return WallFaces(table[:, :2], ends, table[:, 6], table[:, 7], table[:, 8].astype(np.int64))
+    keys = table[:, 8].astype(np.int64)
+    return WallFaces(table[:, :2], ends, ends.mean(axis=1), table[:, 6], table[:, 7], keys)
 
 
 def backing(face: Face, walls: WallFaces, config: PlanConfig) -> Backing:
@@ -89,12 +91,13 @@ def backing(face: Face, walls: WallFaces, config: PlanConfig) -> Backing:
 def _near(face: Face, walls: WallFaces, gap: float) -> tuple[WallFaces, Array, Array]:
     """Wall faces within ``gap``: the rows, where they begin and end along the face, their gaps."""
     n = np.array(face.normal)
-    gaps = -(walls.ends.mean(axis=1) @ n + face.offset)
-    chosen = (walls.normal @ n >= PARALLEL) & (np.abs(gaps) <= gap + 1e-6)
-    chosen &= (walls.top > face.bottom) & (walls.bottom < face.top)
-    along = np.sort(walls.ends @ np.array(face.tangent), axis=1)
-    chosen &= (along[:, 1] > face.low) & (along[:, 0] < face.high)
-    return walls.rows(chosen), along[chosen], gaps[chosen]
+    rows = np.flatnonzero(walls.normal @ n >= PARALLEL)
+    rows = rows[np.abs(walls.middle[rows] @ n + face.offset) <= gap + 1e-6]
+    rows = rows[(walls.top[rows] > face.bottom) & (walls.bottom[rows] < face.top)]
+    along = np.sort(walls.ends[rows] @ np.array(face.tangent), axis=1)
+    beside = (along[:, 1] > face.low) & (along[:, 0] < face.high)
+    found = walls.rows(rows[beside])
+    return found, along[beside], -(found.middle @ n + face.offset)
 
 
 def _stretches(spans: Sequence[Span], along: Array) -> list[Span]:

@@ -105,6 +105,19 @@ class PlanConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     min_room_width: Annotated[
         float, _meta("Narrower enclosures are shafts, not derived rooms", "m", _SURVEY, ge=0, le=10)
     ] = 0.6
+    passage_gap: Annotated[
+        float,
+        _meta(
+            "A passage of an indoor map lies this near the faces it joins", "m", "SIST map", ge=0
+        ),
+    ] = 0.6
+    door_height: Annotated[
+        float,
+        _meta("Height of a door where an indoor map gives none", "m", "usual door", gt=0, le=10),
+    ] = 2.0
+    max_osm_mb: Annotated[
+        int, _meta("Larger indoor maps are refused", "MB", "bounded input", ge=1, le=4_000)
+    ] = 64
     max_file_mb: Annotated[
         int, _meta("Larger building models are refused", "MB", "bounded input", ge=1, le=16_000)
     ] = 1024

@@ -194,15 +194,11 @@ _LEFT_OUT = {
 
 def _once(fillings: Sequence[Filling], boxes: Mapping[int, Box]) -> list[Filling]:
     """Fillings without those that repeat an earlier one; the one whose host is known stays."""
-    kept: list[Filling] = []
-    for filling in sorted(fillings, key=lambda f: (f.host is None, f.key)):
-        box = boxes[filling.key]
-        same = (boxes[k.key] for k in kept if k.category == filling.category)
-        if not any(_is_same(box, other) for other in same):
-            kept.append(filling)
-    return sorted(kept, key=lambda f: f.key)
-
-
-def _is_same(one: Box, other: Box) -> bool:
-    pairs = (*zip(one.center, other.center, strict=True), *zip(one.half, other.half, strict=True))
-    return all(abs(a - b) <= SAME_PLACE for a, b in pairs)
+    order = sorted(fillings, key=lambda f: (f.host is None, f.key))
+    place = np.array([(*boxes[f.key].center, *boxes[f.key].half) for f in order]).reshape(-1, 6)
+    kept: list[int] = []
+    for n, filling in enumerate(order):
+        near = np.abs(place[kept] - place[n]).max(axis=1, initial=0.0) <= SAME_PLACE
+        if not any(order[kept[k]].category == filling.category for k in np.flatnonzero(near)):
+            kept.append(n)
+    return sorted((order[n] for n in kept), key=lambda f: f.key)

@@ -141,14 +141,14 @@ def _shape(
     faces = [
         face
         for ring in (hole.exterior, *hole.interiors)
-        for face in _ring_faces(np.array(ring.coords[:-1]), bottom, top)
+        for face in ring_faces(np.array(ring.coords[:-1]), bottom, top)
         if face.length >= config.min_face_length
     ]
     element = Element(0, "", "", None, NO_BODY, None if level is None else level.key)
     return RoomShape(element, hole, tuple(in_order(faces, hole)), bottom, top)
 
 
-def _ring_faces(ring: Array, bottom: float, top: float) -> Iterator[Face]:
+def ring_faces(ring: Array, bottom: float, top: float) -> Iterator[Face]:
     """The edges of a ring: counter-clockwise round the room, or clockwise round a pillar."""
     normals, offsets = from_footprint(ring)
     for n, d, start, end in zip(normals, offsets, ring, np.roll(ring, -1, axis=0), strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 
 import msgspec
@@ -115,7 +116,7 @@ def _coplanar(
     normal: Array, corners: Array, area: Array, config: PlanConfig
 ) -> Iterator[NDArray[np.intp]]:
     """Groups of triangles, each gathered round the largest one left."""
-    center = corners[:, :, :2].mean(axis=1)
+    center = corners[:, :, :2].sum(axis=1) / 3.0
     free = np.ones(len(area), dtype=bool)
     for seed in np.argsort(-area, kind="stable"):
         if not free[seed]:
@@ -129,21 +130,22 @@ def _coplanar(
 def _faces(normal: Array, corners: Array, area: Array, gap: float) -> Iterator[Face]:
     """The faces in one plane: pieces farther apart than ``gap`` are faces of their own."""
     mean = area @ normal
-    n = mean / np.linalg.norm(mean)
+    n = mean / math.hypot(mean[0], mean[1])
     along = corners[:, :, :2] @ np.array([n[1], -n[0]])
     low, high = along.min(axis=1), along.max(axis=1)
+    away = (corners[:, :, :2] @ n).sum(axis=1) / 3.0
+    bottom, top = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
     for start, end in merged(zip(low.tolist(), high.tolist(), strict=True), gap):
         mine = (low >= start) & (high <= end)
-        weight = area[mine] / area[mine].sum()
-        offset = -float(weight @ (corners[mine][:, :, :2].mean(axis=1) @ n))
-        z = corners[mine][:, :, 2]
+        weight = area[mine]
+        size = float(weight.sum())
         yield Face(
             normal=(float(n[0]), float(n[1])),
-            offset=offset,
+            offset=-float(weight @ away[mine]) / size,
             spans=merged(zip(low[mine].tolist(), high[mine].tolist(), strict=True)),
-            bottom=float(z.min()),
-            top=float(z.max()),
-            area=float(area[mine].sum()),
+            bottom=float(bottom[mine].min()),
+            top=float(top[mine].max()),
+            area=size,
         )
 
 

@@ -20,7 +20,7 @@ MAX_DEPTH = 20  # levels of aggregation followed upwards; more is a loop
 
 def read_building(model: Any, schema: str, config: PlanConfig) -> Building:
     """Everything of an open IFC file that an A-Graph needs, in metres near the origin."""
-    spaces = list(_of(model, "IfcSpace"))
+    spaces = _leaves(_of(model, "IfcSpace"))
     walls = list(_of(model, *WALLS))
     fillings = list(_of(model, "IfcDoor", "IfcWindow"))
     holes = {d.id(): hole for d in fillings if (hole := _hole(d)) is not None}
@@ -76,6 +76,17 @@ def _roots(entities: Iterable[Any]) -> list[Any]:
     found = list(entities)
     ids = {e.id() for e in found}
     return [e for e in found if (p := _parent(e)) is None or p.id() not in ids]
+
+
+def _leaves(spaces: Iterable[Any]) -> list[Any]:
+    """Spaces that are not made of other spaces: a flat's outline is no room beside its rooms."""
+    found = list(spaces)
+    whole = {
+        p.id()
+        for e in found
+        if e.Representation is not None and (p := _parent(e)) is not None and p.is_a("IfcSpace")
+    }
+    return [e for e in found if e.id() not in whole]
 
 
 def _parts(entity: Any) -> list[Any]:

@@ -55,7 +55,7 @@ class Box(msgspec.Struct, frozen=True):
 
 def filling_box(filling: Filling, walls: WallFaces) -> Box:
     """The box of a door, window or opening, cut to the thickness of the wall it is in."""
-    host = walls.rows(walls.key == filling.host)
+    host = walls.rows(np.flatnonzero(walls.key == filling.host))
     points = filling.mesh.vertices[:, :2]
     across = _across(points, host)
     if across is None:

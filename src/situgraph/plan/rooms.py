@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -10,6 +11,10 @@ from situgraph.plan.building import Element
 from situgraph.plan.config import PlanConfig
 from situgraph.plan.faces import Face, vertical_faces
 from situgraph.plan.outlines import footprint
+from situgraph.scenegraph.graph import Vec2
+
+OVERLAP_HEIGHT = 0.5  # m; rooms that share less height stand one above the other
+OVERLAP_SHARE = 0.1  # of the smaller floor; less is a matter of wall thickness
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -67,3 +72,35 @@ def in_order(faces: list[Face], outline: Polygon) -> list[Face]:
         return inside, round(ring.project(middle), 3), face.bottom
 
     return sorted(faces, key=place)
+
+
+def center(shape: RoomShape) -> Vec2:
+    """The centroid of the floor, or a point inside where the centroid is outside."""
+    point = shape.outline.centroid
+    if not shape.outline.contains(point):
+        point = shape.outline.representative_point()
+    return float(point.x), float(point.y)
+
+
+def ring(shape: RoomShape) -> tuple[Vec2, ...]:
+    """The outer corners of the floor, counter-clockwise."""
+    return tuple((float(x), float(y)) for x, y in shape.outline.exterior.coords[:-1])
+
+
+def overlaps(shapes: Sequence[RoomShape]) -> Iterator[tuple[int, int, float]]:
+    """Pairs of rooms that stand in one another, and the share of the smaller one's floor."""
+    from shapely import STRtree
+
+    tree = STRtree([s.outline for s in shapes])
+    for one, shape in enumerate(shapes):
+        for other in sorted(int(i) for i in tree.query(shape.outline, predicate="intersects")):
+            if other <= one:
+                continue
+            second = shapes[other]
+            height = min(shape.top, second.top) - max(shape.bottom, second.bottom)
+            if height <= OVERLAP_HEIGHT:
+                continue
+            area = shape.outline.intersection(second.outline).area
+            share = area / min(shape.outline.area, second.outline.area)
+            if share > OVERLAP_SHARE:
+                yield one, other, share
