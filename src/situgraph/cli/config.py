@@ -30,21 +30,15 @@ def command(settings: Settings, as_yaml: bool, as_json: bool) -> None:
     if as_json:
         emit_json([{**_plain(row), "changed": row.value != row.default} for row in rows])
         return
-    columns = ("setting", "value", "unit", "meaning", "source")
-    print_table(
-        "Settings (* changed)",
-        columns,
-        [
-            (
-                row.key + ("*" if row.value != row.default else ""),
-                str(row.value),
-                row.unit,
-                row.description,
-                row.source,
-            )
-            for row in rows
-        ],
-    )
+    table = [
+        (
+            row.key + ("*" if row.value != row.default else ""),
+            f"{row.value} {row.unit}".strip(),
+            f"{row.description} ({row.source})" if row.source else row.description,
+        )
+        for row in rows
+    ]
+    print_table("Settings (* changed)", ("setting", "value", "meaning (source)"), table)
 
 
 def _plain(row: object) -> dict[str, object]:

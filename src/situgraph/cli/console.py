@@ -6,10 +6,13 @@ import contextlib
 import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+
+WHOLE_NAME = 40  # characters
 
 
 class Advance(Protocol):
@@ -53,7 +56,10 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[obje
     )
     for index, column in enumerate(columns):
         numeric = bool(body) and all(isinstance(r[index], int | float | None) for r in body)
-        table.add_column(escape(column), justify="right" if numeric else "left", overflow="fold")
+        # Short names in front are easier to find unbroken; the other columns give way.
+        whole = index == 0 and all(len(str(r[0])) <= WHOLE_NAME for r in body)
+        justify: Literal["right", "left"] = "right" if numeric else "left"
+        table.add_column(escape(column), justify=justify, overflow="fold", no_wrap=whole)
     for row in body:
         table.add_row(*(_cell(value, escape) for value in row))
     console().print(table)
