@@ -54,6 +54,12 @@ def assemble(building: Building, config: PlanConfig) -> SceneGraph:
     )
 
 
+def _modelled(building: Building, placed: Sequence[Placed]) -> tuple[str, ...]:
+    """Doors and windows if the model has any, wherever they stand; else what stands in rooms."""
+    stated = {f.category for f in building.fillings if f.category in ("door", "window")}
+    return tuple(sorted(stated | {p.category for p in placed}))
+
+
 def _shapes(spaces: Sequence[Element], config: PlanConfig) -> tuple[list[RoomShape], list[Element]]:
     shapes, lost = [], []
     for space in spaces:
