@@ -27,15 +27,14 @@ class ItemKind(msgspec.Struct, frozen=True):
 
 DOOR = ItemKind("door", 0.9, 0.15, 2.1, 0.0, True)
 WINDOW = ItemKind("window", 1.4, 0.15, 1.3, 0.9, True)
-STAIRS = ItemKind("stairs", 1.2, 2.4, 3.2, 0.0, False)
+# From floor to floor, and a railing that stands in the room above.
+STAIRS = ItemKind("stairs", 1.2, 2.4, 4.3, 0.0, False)
 OTHERS = (
     ItemKind("radiator", 1.0, 0.12, 0.6, 0.15, True),
     ItemKind("sink", 0.6, 0.45, 0.2, 0.8, True),
     ItemKind("extinguisher", 0.2, 0.2, 0.6, 0.9, True),
-    ItemKind("whiteboard", 1.5, 0.06, 1.0, 0.9, True),
     ItemKind("column", 0.3, 0.3, 2.8, 0.0, False),
-    ItemKind("table", 1.4, 0.8, 0.75, 0.0, False),
-    ItemKind("cabinet", 1.0, 0.5, 1.8, 0.0, False),
+    ItemKind("furniture", 1.4, 0.8, 0.75, 0.0, False),
 )
 KINDS = (DOOR, WINDOW, STAIRS, *OTHERS)
 
