@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 import numpy as np
@@ -14,6 +14,7 @@ from situgraph.scenegraph.graph import Plane, SceneGraph
 from situgraph.view.outlines import Outline
 
 _ON_PLANE = 0.05  # m, an edge of a footprint this close to a plane lies on it
+_NEAR_PATH = 15.0  # m, how far a plane may be from a path to be drawn beside it
 _HORIZONTAL = 0.7  # a plane whose normal has a shorter horizontal part is no wall
 
 
@@ -109,7 +110,8 @@ def wall_faces(
             elif outline is not None:
                 for a, b in _edges_on(plane, outline):
                     rows.add(plane, a, b, in_room=True)
-    box, known = _bounds(rows, graph), rows.done()
+    free = list(free)
+    box, known = _bounds(rows, graph, free), rows.done()
     for plane in (graph.plane_by_id[i] for i in free):
         if _flat(plane):
             continue
@@ -167,13 +169,18 @@ def _behind(plane: Plane, faces: Faces, gap: float) -> list[tuple[Array, Array]]
     return [(foot + start * along, foot + end * along) for start, end in spans]
 
 
-def _bounds(rows: _Rows, graph: SceneGraph) -> tuple[Array, Array] | None:
+def _bounds(rows: _Rows, graph: SceneGraph, free: Sequence[str]) -> tuple[Array, Array] | None:
     """What the unbounded planes are cut to: everything else, and a metre more."""
     points = [np.reshape(rows.segments, (-1, 2))] if rows.segments else []
     points += [np.array([k.pose[:2] for k in graph.keyframes])] if graph.keyframes else []
     points += [np.array([r.center[:2] for r in graph.rooms])] if graph.rooms else []
     if not points:
         return None
+    if not graph.rooms:  # nothing but planes around a path: reach those that are near
+        middle = np.concatenate(points).mean(axis=0)
+        lines = [plan_view(p) for p in (graph.plane_by_id[i] for i in free) if not _flat(p)]
+        steps = [-(n @ middle + d) * n for n, d in lines]
+        points += [(middle + s)[None] for s in steps if np.linalg.norm(s) < _NEAR_PATH]
     every = np.concatenate(points)
     return every.min(axis=0) - 1.0, every.max(axis=0) + 1.0
 

@@ -14,6 +14,7 @@ from situgraph.view.sheet import MARGIN, Bounds, Sheet, add_axes
 
 CORNER = 2.0  # inch, to leave free for it
 _WIDE, _TALL = 1.8, 0.95  # inch
+_SEPARABLE = 400  # rooms; more are drawn without gaps
 _NEARLY_ALL = 0.7  # a drawing that shows so much of the storey needs no key plan
 
 
@@ -43,7 +44,8 @@ def draw_key_plan(
     box = (width - MARGIN - w, height - MARGIN - h, w, h)
     axes = add_axes(page.figure, box, (x0, y0, x1, y1))
     polygons = [s.outline.polygon for s in floor.rooms if s.outline is not None]
-    fill_polygons(axes, polygons, palette.HAIRLINE, 1.0, palette.PAPER, 0.2)
+    gaps = 0.2 if len(polygons) <= _SEPARABLE else 0.0
+    fill_polygons(axes, polygons, palette.HAIRLINE, 1.0, palette.PAPER, gaps)
     for name, (a, b, c, d) in frames:
         for fill, edge, alpha in ((color, "none", 0.25), ("none", color, 1.0)):
             axes.add_patch(

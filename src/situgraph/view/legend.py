@@ -11,17 +11,20 @@ from situgraph.view.glyphs import glyphs
 from situgraph.view.lettering import plain
 from situgraph.view.marginalia import Key
 from situgraph.view.overlay import HATCH, Overlay
-from situgraph.view.pen import CUT, ENDLESS, NO_WALL
+from situgraph.view.pen import CUT, ENDLESS, NO_WALL, READABLE_OBJECT
+from situgraph.view.walls import Walls
 
 
-def plan_legend(floors: Iterable[Floor]) -> tuple[Key, ...]:
-    """What occurs on these storeys, with counts."""
+def plan_legend(floors: Iterable[Floor], scale: float) -> tuple[Key, ...]:
+    """What is drawn of these storeys at ``scale`` (points a metre), with counts."""
     floors = list(floors)
     keys = []
     if any(f.walls.solid for f in floors):
         keys.append(Key("wall", patch=palette.WALL))
     if any(f.walls.one_face for f in floors):
         keys.append(Key("wall, one face known", patch=palette.WALL_ONE, edge=palette.WALL))
+    if any(f.faces.in_room.any() and f.walls == Walls() for f in floors):
+        keys.append(Key("face of a wall", line=palette.WALL))
     if any(f.walls.loose for f in floors):
         keys.append(Key("face, tick to its free side", line=palette.WALL))
     if any(f.faces.infinite.any() for f in floors):
@@ -36,6 +39,9 @@ def plan_legend(floors: Iterable[Floor]) -> tuple[Key, ...]:
     if openings["window"]:
         keys.append(Key(f"window {openings['window']}", line=palette.WINDOW, width=1.6))
     others = Counter(o.category for f in floors for o in f.objects)
+    if others and scale < READABLE_OBJECT:
+        keys.append(Key(f"{sum(others.values())} objects, too small to draw"))
+        others.clear()
     for name, glyph in glyphs(others).items():
         text = f"{plain(name.replace('_', ' '), 24)} {others[name]}"
         if name in ("door", "window"):

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _TINT = 0.2  # opacity of a room's colour, twice over where both graphs have it
 _AROUND = 0.3  # of the online graph's size, shown around it
 _MOST = 4.0  # a plan so many times larger than what was seen is cropped
+_BEYOND = 3.0  # m, drawn outside a cropped view, so that walls at its edge are whole
 HATCH = "/////"
 
 
@@ -112,7 +113,8 @@ def draw_overlay(
     """The plan of a storey in grey, and on it what was seen of it, in colour."""
     plan = over.prior.floors[level]
     if len(plan.rooms) > config.detail_rooms:
-        plan = cropped(plan, bounds, config)
+        x0, y0, x1, y1 = bounds
+        plan = cropped(plan, (x0 - _BEYOND, y0 - _BEYOND, x1 + _BEYOND, y1 + _BEYOND), config)
     draw_floor(axes, plan, scale, UNDER)
     _tint(axes, plan.rooms, over.plan_colors)
     for floor in over.levels.get(level, ()):
@@ -157,7 +159,7 @@ def _planes(axes: Axes, floor: Floor, over: Overlay) -> None:
 
 def _moved(axes: Axes, floor: Floor, plan: Floor, over: Overlay, scale: float) -> None:
     """Moved walls in red where they were seen and, dashed, where they were planned."""
-    longest = _longest(floor)
+    longest, normals = _longest(floor), dict(zip(floor.faces.ids, floor.faces.normals))
     planned = _longest(plan)
     for deviation in over.solution.deviations:
         seen = longest.get(deviation.plane)
@@ -169,7 +171,8 @@ def _moved(axes: Axes, floor: Floor, plan: Floor, over: Overlay, scale: float) -
             strokes(axes, [before], palette.MOVED, 0.9, 5.2, (2.0, 1.4))
         along = (seen[1] - seen[0]) / max(float(np.linalg.norm(seen[1] - seen[0])), 1e-9)
         turn = float(np.degrees(np.arctan2(along[1], along[0])))
-        x, y = seen.mean(axis=0)
+        # The label stands in the wall's own room: its other face may have moved as well.
+        x, y = seen.mean(axis=0) + normals[deviation.plane] * 9.0 / scale
         axes.text(
             x, y, f"{'+' if deviation.offset > 0 else ''}{metres(deviation.offset)}", fontsize=7.5,
             color=palette.MOVED, ha="center", va="center", zorder=7.0, clip_on=True,

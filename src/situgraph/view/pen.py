@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _READABLE_DOOR = 2.5  # points, a narrower door is a gap in the wall
-_READABLE_OBJECT = 2.0  # points a metre, below which objects are left out
+READABLE_OBJECT = 2.0  # points a metre, below which objects are left out
 _DOUBLE = 1.35  # m, wider doors have two leaves
 _ARC = np.linspace(0.0, 0.5 * np.pi, 13)
 NO_WALL: Final = (3.0, 2.2)  # dashes, in line widths
@@ -193,7 +193,7 @@ def _windows(axes: Axes, windows: Sequence[Opening], scale: float, look: Look) -
 
 def draw_objects(axes: Axes, objects: Sequence[Object], scale: float) -> None:
     """Footprints at true size where known, and a symbol for each category."""
-    if scale < _READABLE_OBJECT or not objects:
+    if scale < READABLE_OBJECT or not objects:
         return
     _footprints(axes, [o for o in objects if o.ellipsoid is not None], scale)
     size = float(np.clip(0.3 * scale, 2.0, 5.5))

@@ -14,7 +14,7 @@ from situgraph.view.legend import plan_legend
 from situgraph.view.lettering import number
 from situgraph.view.names import draw_names
 from situgraph.view.pen import draw_floor
-from situgraph.view.sheet import Bounds, Page, Panel, blank, sheet
+from situgraph.view.sheet import Bounds, Page, Panel, blank, drawing_scale, sheet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,15 +49,16 @@ def draw_graph(
     name = title or building.graph.name or "Scene graph"
     if bounds is None:
         return blank(name, "This graph holds nothing that could be drawn.", config, heading)
+    panels = captions(shown, bounds)
     content = Page(
         name,
         summary(building),
-        keys=plan_legend(shown),
+        keys=plan_legend(shown, drawing_scale(panels, config)),
         notes=_notes(building, shown, floors),
         north=north(building.graph),
         heading=heading,
     )
-    page = sheet(content, captions(shown, bounds), config)
+    page = sheet(content, panels, config)
     for axes, floor in zip(page.panels, shown):
         draw_floor(axes, floor, page.points_per_metre)
         draw_names(axes, floor.rooms, page.points_per_metre, config)

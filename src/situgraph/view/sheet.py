@@ -131,6 +131,12 @@ def sheet(content: Page, panels: Sequence[Panel], config: ViewConfig) -> Sheet:
     return Sheet(figure, tuple(axes), page, scale * _POINTS, spare)
 
 
+def drawing_scale(panels: Sequence[Panel], config: ViewConfig) -> float:
+    """The points a metre that ``sheet`` will give these panels."""
+    x0, y0, x1, y1 = _views([p.bounds for p in panels])[0]
+    return _grid(len(panels), x1 - x0, y1 - y0, config.page_width)[2] * _POINTS
+
+
 def add_axes(figure: Figure, box: tuple[float, float, float, float], view: Bounds) -> Axes:
     """Frameless axes at ``box`` (x, y, width, height in inches) that show ``view``."""
     x, y, w, h = box
