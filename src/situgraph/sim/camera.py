@@ -69,7 +69,7 @@ class Camera:
         z = view.depth
         seen = z > 0
         disparity = strength / np.where(seen, z, 1.0)
-        disparity += c.disparity_noise * rng.standard_normal(z.shape, dtype=np.float32)
+        disparity += c.disparity_noise * _blocks(rng, z.shape)
         steps = np.maximum(np.rint(disparity / c.disparity_step), 1.0)
         depth = np.rint(1000.0 * strength / (steps * c.disparity_step)) / 1000.0
         lot = rng.random(z.shape, dtype=np.float32)
@@ -79,6 +79,12 @@ class Camera:
         lost |= view.slant < _GRAZING
         lost |= ~seen | (depth < c.depth_low) | (depth > c.depth_high)
         return np.where(lost, 0.0, depth).astype(np.float32)
+
+
+def _blocks(rng: np.random.Generator, shape: tuple[int, ...]) -> Float32:
+    """Unit noise (h, w) that 2x2 pixels share: a stereo matcher compares blocks, not pixels."""
+    half = rng.standard_normal([(n + 1) // 2 for n in shape], dtype=np.float32)
+    return np.repeat(np.repeat(half, 2, axis=0), 2, axis=1)[: shape[0], : shape[1]]
 
 
 def _edges(z: Float32) -> NDArray[np.bool_]:

@@ -1,73 +1,17 @@
-"""A VLP-16: 16 beams that fire one after the other while the head turns and the robot moves.
-
-Pattern (Velodyne VLP-16 user manual): elevations -15 to 15 deg in steps of 2; the beams fire in
-an interleaved order, 2.304 us apart, a cycle every 55.296 us, 1808 cycles in a turn of 0.1 s. The
-head turns clockwise seen from above.
-"""
+"""A VLP-16: 16 beams that fire one after the other while the head turns and the robot moves."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
+from situgraph.io.vlp16 import vlp16
 from situgraph.sim.config import LidarConfig
-from situgraph.sim.mesh import Float32
 from situgraph.sim.rays import RayCaster
 from situgraph.sim.world import World
 
-RINGS = 16
-CYCLE = 55.296e-6  # s, a firing of all beams
-SHOT = 2.304e-6  # s, from one beam to the next
-# The rings in the order they fire: bottom, first above the horizon, second from the bottom, ...
-ORDER = np.array([0, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15])
 _SPECULAR = 0.6  # share of a surface's reflectivity that does not depend on incidence
-
-
-@dataclass(frozen=True, eq=False)
-class Pattern:
-    """Where each beam of a turn points and when: rows are rings from the lowest, columns cycles.
-
-    ``times`` (16, c) float32, seconds relative to the turn's end; ``directions`` (16, c, 3)
-    float32 unit vectors in the lidar frame; ``order`` (16 c,) flat indices in firing order.
-    """
-
-    times: Float32
-    directions: Float32
-    order: NDArray[np.int64]
-
-    @property
-    def columns(self) -> int:
-        """Firing cycles in a turn."""
-        return int(self.times.shape[1])
-
-    def points(self, steps: NDArray[np.uint16], step: float) -> Float32:
-        """Points (16, c, 3) float32 of ranges given as multiples (16, c) of ``step`` metres."""
-        ranges = (steps * np.float64(step)).astype(np.float32)
-        return np.asarray(ranges[..., None] * self.directions)
-
-
-def vlp16(rate: float) -> Pattern:
-    """The pattern at ``rate`` turns a second."""
-    columns = int(1.0 / rate / CYCLE)
-    slot = np.empty(RINGS)
-    slot[ORDER] = np.arange(RINGS)
-    after = np.arange(columns)[None, :] * CYCLE + slot[:, None] * SHOT
-    azimuth = -2.0 * np.pi * rate * after
-    elevation = np.deg2rad(-15.0 + 2.0 * np.arange(RINGS))[:, None]
-    directions = np.stack(
-        [
-            np.cos(elevation) * np.cos(azimuth),
-            np.cos(elevation) * np.sin(azimuth),
-            np.broadcast_to(np.sin(elevation), azimuth.shape),
-        ],
-        axis=-1,
-    )
-    times = (after - 1.0 / rate).astype(np.float32)
-    order = np.argsort(after, axis=None, kind="stable")
-    return Pattern(times, directions.astype(np.float32), order)
 
 
 class Lidar:

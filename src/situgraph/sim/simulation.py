@@ -98,9 +98,13 @@ class Simulation:
     def _rng(self, *key: int) -> np.random.Generator:
         return np.random.default_rng([self.seed, 7300, *key])
 
+    def _stamp(self, time: float) -> float:
+        """A time of the motion as a stamp: whole nanoseconds, as bags store them."""
+        return round(self.config.start + time, 9)
+
     def _odometries(self) -> Iterator[Odometry]:
         for t, pose in zip(self._times, self._odometry):
-            yield Odometry(self.config.start + float(t), pose)
+            yield Odometry(self._stamp(float(t)), pose)
 
     def _scans(self) -> Iterator[Scan]:
         c, pattern = self.config.lidar, self._lidar.pattern
@@ -115,7 +119,7 @@ class Simulation:
             points = pattern.points(steps, c.range_step).reshape(-1, 3)[order]
             bright = light.ravel()[order].astype(np.float32) / np.float32(255)
             times = pattern.times.ravel()[order]
-            yield Scan(self.config.start + end, points, times, rings[order], bright)
+            yield Scan(self._stamp(end), points, times, rings[order], bright)
 
     def _frames(self) -> Iterator[Frame]:
         if self._camera is None:
@@ -125,7 +129,7 @@ class Simulation:
         for k in range(int(self.motion.duration * rate)):
             t = (k + 0.5) / rate
             picture = self._camera.take(self.motion.matrices([t])[0] @ mount, self._rng(6, k))
-            stamp = self.config.start + t
+            stamp = self._stamp(t)
             self._images.keep(stamp, picture.ids)
             yield Frame(stamp, picture.rgb, picture.depth, self._camera.intrinsics)
 
@@ -137,7 +141,7 @@ class Simulation:
         return Camera(self.world, drawn, c, width)
 
     def _truth(self, deviations: tuple[Deviation, ...]) -> Truth:
-        stamps = self.config.start + self._times
+        stamps = np.array([self._stamp(t) for t in self._times.tolist()])
         poses = matrix_to_pose(self.motion.matrices(self._times))
         visits = _visits(self.world, self.motion.at(self._times), stamps)
         return Truth(
