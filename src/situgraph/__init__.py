@@ -21,19 +21,17 @@ _HOME = {
     "Settings": "situgraph.config",
     "load_settings": "situgraph.config",
     "load": "situgraph.api",
-    "match": "situgraph.api",
     "read_plan": "situgraph.api",
     "save": "situgraph.api",
-    "Matcher": "situgraph.matching",
     "MatchResult": "situgraph.matching",
     "PlanIndex": "situgraph.matching",
+    "match": "situgraph.matching",
 }
 
 __all__ = [
     "ConfigError",
     "InputError",
     "MatchResult",
-    "Matcher",
     "MissingExtraError",
     "Placement",
     "PlanIndex",
@@ -49,11 +47,11 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from situgraph.api import load, match, read_plan, save
+    from situgraph.api import load, read_plan, save
     from situgraph.config import Settings, load_settings
     from situgraph.errors import ConfigError, InputError, MissingExtraError, SituGraphError
     from situgraph.geometry.poses import Placement
-    from situgraph.matching import Matcher, MatchResult, PlanIndex
+    from situgraph.matching import MatchResult, PlanIndex, match
     from situgraph.scenegraph.graph import SceneGraph
 
 

@@ -1,6 +1,6 @@
-"""The Python interface: read any graph, save it, match one with another.
+"""The Python interface to files: read a graph of any kind, save one.
 
-``situgraph`` re-exports these names; each command of the command line is a shell over one of them.
+``situgraph`` re-exports these names beside those of the stages (``match``, ``PlanIndex`` ...).
 """
 
 from __future__ import annotations
@@ -8,18 +8,15 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from situgraph.errors import InputError
 
 if TYPE_CHECKING:
     from situgraph.io.g2o import Part
-    from situgraph.matching import MatchResult, PlanIndex
-    from situgraph.matching.config import MatchingConfig
     from situgraph.plan.config import PlanConfig
     from situgraph.scenegraph.graph import SceneGraph
 
-Semantics = Literal["none", "containment", "likelihood"]
 PathLike = str | os.PathLike[str]
 
 _BY_SUFFIX = {
@@ -112,30 +109,6 @@ def read_plan(
 
     settings = config or PlanConfig()
     return _cached_ifc(source, settings) if cached else _read_ifc(source, settings)
-
-
-def match(
-    online: SceneGraph,
-    index: PlanIndex | SceneGraph,
-    semantics: Semantics = "likelihood",
-    config: MatchingConfig | None = None,
-) -> MatchResult:
-    """Every placement of the online graph in the plan, and whether it is the only one.
-
-    Args:
-        online: scene graph in the map frame.
-        index: the plan, indexed once with ``PlanIndex(prior)``; a bare graph is indexed here.
-        semantics: ``"none"``, ``"containment"`` (the paper's filter) or ``"likelihood"``.
-        config: tolerances and rates; the same for every input.
-
-    Raises:
-        InputError: the online graph has no room to match.
-    """
-    from situgraph import matching
-
-    if not isinstance(index, matching.PlanIndex):
-        index = matching.PlanIndex(index, config)
-    return matching.match(online, index, semantics=semantics, config=config)
 
 
 def _read_ifc(source: Path, config: PlanConfig) -> SceneGraph:
