@@ -13,11 +13,20 @@ from typing import TYPE_CHECKING, Any
 _HOME = {
     "Report": "situgraph.view.report",
     "Section": "situgraph.view.report",
+    "Status": "situgraph.view.track",
+    "Surface": "situgraph.view.surfaces",
     "ViewConfig": "situgraph.view.config",
     "draw_advice": "situgraph.view.advice",
     "draw_graph": "situgraph.view.plan",
+    "draw_history": "situgraph.view.track",
+    "draw_lines": "situgraph.view.experiments",
     "draw_match": "situgraph.view.match",
+    "draw_outcomes": "situgraph.view.experiments",
+    "draw_reliability": "situgraph.view.experiments",
     "draw_rivals": "situgraph.view.rivals",
+    "draw_scale": "situgraph.view.experiments",
+    "draw_surfaces": "situgraph.view.surfaces",
+    "draw_track": "situgraph.view.track",
     "graph_report": "situgraph.view.graph_report",
     "match_report": "situgraph.view.match_report",
     "save_figure": "situgraph.view.canvas",
@@ -26,11 +35,20 @@ _HOME = {
 __all__ = [
     "Report",
     "Section",
+    "Status",
+    "Surface",
     "ViewConfig",
     "draw_advice",
     "draw_graph",
+    "draw_history",
+    "draw_lines",
     "draw_match",
+    "draw_outcomes",
+    "draw_reliability",
     "draw_rivals",
+    "draw_scale",
+    "draw_surfaces",
+    "draw_track",
     "graph_report",
     "match_report",
     "save_figure",
@@ -40,12 +58,15 @@ if TYPE_CHECKING:
     from situgraph.view.advice import draw_advice
     from situgraph.view.canvas import save_figure
     from situgraph.view.config import ViewConfig
+    from situgraph.view.experiments import draw_lines, draw_outcomes, draw_reliability, draw_scale
     from situgraph.view.graph_report import graph_report
     from situgraph.view.match import draw_match
     from situgraph.view.match_report import match_report
     from situgraph.view.plan import draw_graph
     from situgraph.view.report import Report, Section
     from situgraph.view.rivals import draw_rivals
+    from situgraph.view.surfaces import Surface, draw_surfaces
+    from situgraph.view.track import Status, draw_history, draw_track
 
 
 def __getattr__(name: str) -> Any:

@@ -93,6 +93,8 @@ def draw_scale(
     for i, (name, group) in enumerate(groups(rows, series).items()):
         xs, ys = column(group, x), column(group, y)
         good = np.isfinite(xs) & np.isfinite(ys) & (xs > 0.0) & (ys > 0.0)
+        if not good.any():
+            continue
         color = color_of(name, i)
         axes.scatter(xs[good], ys[good], s=9.0, color=color, alpha=0.35, linewidths=0.0)
         at, _, middle, _ = _quantiles(xs[good], ys[good], (0.5, 0.5))
@@ -161,7 +163,7 @@ def draw_outcomes(cases: Mapping[str, Mapping[str, float]], *, title: str) -> Fi
         axes.text(-0.01, i, plain(case, 40), ha="right", va="center", fontsize=8.5,
                   color=palette.INK, parse_math=False)  # fmt: skip
     axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(len(cases) - 0.5, -0.5)
+    axes.set_ylim(max(len(cases), 1) - 0.5, -0.5)
     axes.set_axis_off()
     longest = max((len(plain(c, 40)) for c in cases), default=0)
     place = axes.get_position()
@@ -187,6 +189,7 @@ def _finished(
 ) -> Figure:  # fmt: skip
     if not axes.has_data():
         nothing(axes)
+        log_x = log_y = False
     if log_x:
         axes.set_xscale("log")
     if log_y:
