@@ -120,7 +120,8 @@ def _seen_from_b(faces: Faces, contacts: Contacts) -> tuple[Array, Array]:
         )
         for along in (contacts.low, contacts.high)
     ]
-    return np.minimum(*ends), np.maximum(*ends)
+    length = faces.length[contacts.b]
+    return np.maximum(np.minimum(*ends), 0.0), np.minimum(np.maximum(*ends), length)
 
 
 def faces_of(graph: SceneGraph) -> tuple[Faces, list[str]]:
