@@ -34,7 +34,7 @@ def build_drivable(
     graph, deviations = deviate(plan, config.world, keep, rng)
     for _ in range(_ROUNDS):
         world = build_world(graph, config.world, seed)
-        barriers = _barriers(world, config.robot)
+        barriers = _barriers(world, config.robot, rooms)
         if not barriers:
             break
         for name in sorted(barriers):
@@ -69,7 +69,7 @@ def _needed_doors(plan: SceneGraph) -> set[str]:
     return {d.id for d in doors if frozenset(d.rooms[:2]) in bridges}
 
 
-def _barriers(world: World, config: RobotConfig) -> set[str]:
+def _barriers(world: World, config: RobotConfig, rooms: Sequence[str]) -> set[str]:
     """Objects on the way to rooms which could be reached without them."""
     import shapely
 
@@ -78,6 +78,8 @@ def _barriers(world: World, config: RobotConfig) -> set[str]:
         for bodies in (world.bodies[flight.lower], world.bodies[flight.upper]):
             found |= {k for k, b in bodies.items() if b.intersects(flight.approach)}
     for index, level in enumerate(world.levels):
+        if rooms and not any(r in level.rooms for r in rooms):
+            continue
         floor = Floor(world, index, config)
         bare = Floor(world, index, config, furnished=False)
         places = {r: _place(bare, shape) for r, shape in level.rooms.items()}

@@ -90,7 +90,8 @@ def hang(
         return Door(opening, "closed", _swings(opening, 0, 0, 0.0, centred=True))
     import shapely
 
-    space = shapely.union_all([*level.rooms.values(), opening.polygon.buffer(0.02)])
+    rooms = [level.rooms[r] for r in opening.rooms]
+    space = shapely.union_all([*rooms, opening.polygon.buffer(0.02)])
     reach = opening.across * (opening.depth / 2 + _LANE)
     ends = [opening.middle - reach, opening.middle + reach]
     taken = shapely.union(obstacles, shapely.LineString(ends).buffer(_ROBOT, cap_style="flat"))

@@ -145,7 +145,7 @@ def plan_route(
     order = names if asked else _nearest_first(ground, first, views)
     here = views[first][0]
     legs = [_stand(ground, here, _turn(ground.config, rng))]
-    notes = []
+    missing: list[str] = []
     for number, room in enumerate(order):
         stops = _ordered(here, views[room])
         if number == 0:
@@ -158,12 +158,12 @@ def plan_route(
             legs.append(Leg(path, _turn(ground.config, rng)))
             here, ways = stop, ways + 1
         if ways == 0 and number > 0:
-            sentence = f"room {room} cannot be reached"
             if asked:
-                raise InputError(ground.world.graph.name or "plan", sentence, "leave it out")
-            notes.append(sentence)
-    missing = [r for r in names if r not in order]
-    return legs, (*notes, *(f"room {r} cannot be reached" for r in missing))
+                plan = ground.world.graph.name or "plan"
+                raise InputError(plan, f"room {room} cannot be reached", "leave it out")
+            missing.append(room)
+    missing += [r for r in names if r not in order]
+    return legs, (f"cannot be reached: {', '.join(missing)}",) if missing else ()
 
 
 def _turn(config: RobotConfig, rng: np.random.Generator) -> float:

@@ -23,6 +23,7 @@ from situgraph.sim.structure import build_structure
 from situgraph.sim.textures import textures
 
 _LAMPS = 4.0  # m between the lamps of a room
+_SWING = 2.0  # m; what is farther from a door is out of its leaf's reach
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +149,13 @@ def _openings(
             parts = {k: site.part("window", v, item.id, room=room) for k, v in names.items()}
             doors.build_window(site.mesh, opening, parts)
             continue
-        blocked = shapely.union_all(
-            [*bodies, *(s.polygon() for d in hung for s in d.swings)]
-            + [o.polygon.buffer(0.1) for o in level.openings if o is not opening]
-        )
+        others = [
+            *bodies,
+            *(s.polygon() for d in hung for s in d.swings),
+            *(o.polygon.buffer(0.1) for o in level.openings if o is not opening),
+        ]
+        near = [o for o in others if shapely.distance(o, opening.polygon) < _SWING]
+        blocked = shapely.union_all(near)
         door = doors.hang(opening, level, blocked, config, rng)
         names = {"frame": "door frame", "leaf": "leaf", "handle": "handle"}
         parts = {k: site.part("door", v, item.id, room=room) for k, v in names.items()}
