@@ -9,14 +9,16 @@ import numpy as np
 
 from situgraph.experiments.oracle.explained import Motion, View, view
 from situgraph.experiments.oracle.likelihood import evidence, log_weight, log_weight_outside
-from situgraph.experiments.oracle.peaks import peak
+from situgraph.experiments.oracle.peaks import beside, highest, peak
 from situgraph.experiments.oracle.problem import Flags, Problem
 from situgraph.experiments.oracle.regions import Regions
 from situgraph.experiments.oracle.scan import feasible_placements
 from situgraph.geometry.poses import Placement, rotation2, wrap_angle
 
+COUNTS = 12.0  # nats below the best beyond which a candidate's exact L is of no account
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Candidate:
     """A peak: what it explains, its L, and its probability against all others and 'outside'."""
 
@@ -25,7 +27,7 @@ class Candidate:
     probability: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Answer:
     """Everything the definition says about a pair of graphs; candidates best first."""
 
@@ -47,16 +49,20 @@ def answer(problem: Problem, extra: tuple[View, ...] = ()) -> Answer:
     feasible: list[View] = []
     peaks: list[View] = []
     climbed: dict[tuple[object, ...], View] = {}
-    for found in feasible_placements(problem, regions):
-        start = view(problem, found.motion, found.near)
-        if not start.feasible:
+    tops: list[View] = []
+    # The best fitting first: the others then mostly lie beside a peak that is known already.
+    for found in sorted(feasible_placements(problem, regions), key=lambda f: -f.fits):
+        if any(beside(problem, found.motion, p.motion) for p in tops):
             continue
+        start = view(problem, found.motion, found.near)
         key = (found.motion.z, *start.signature)
-        if key not in climbed:
-            climbed[key] = peak(problem, start, found.near)
+        if start.feasible and key not in climbed:
+            climbed[key] = peak(problem, start, found.near, tops)
             feasible.append(start)
             peaks.append(climbed[key])
-    candidates = distinct(problem, [*_complete(problem, peaks), *extra])
+            if not any(climbed[key] is top for top in tops):
+                tops.append(climbed[key])
+    candidates = _raised(problem, distinct(problem, [*_complete(problem, peaks), *extra]))
     return replace(
         judge(problem, candidates, regions), feasible=tuple(feasible), peaks=tuple(peaks)
     )
@@ -69,6 +75,21 @@ def _complete(problem: Problem, peaks: list[View]) -> list[View]:
         key = (p.motion.z, *np.round([p.motion.yaw, *p.motion.point], 4).tolist())
         by_place.setdefault(key, p)
     return [view(problem, p.motion, storeys(problem, p.motion.z), 1e-7) for p in by_place.values()]
+
+
+def _raised(problem: Problem, candidates: list[Candidate]) -> list[Candidate]:
+    """The candidates with the highest peak of each that counts; hopeless ones stay as they are."""
+    if not candidates:
+        return []
+    least = candidates[0].evidence - COUNTS
+    raised = []
+    for k in candidates:
+        if k.evidence >= least:
+            near = storeys(problem, k.view.motion.z)
+            raised.append(highest(problem, k.view, near))
+        else:
+            raised.append(k.view)
+    return distinct(problem, raised)
 
 
 def storeys(problem: Problem, z: float) -> Flags:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from situgraph.experiments.oracle.problem import Flags, Problem
@@ -15,7 +18,7 @@ SLACK = 1e-9  # equality at a limit, in metres and radians
 FIT, MOVED, MISSING = "fit", "moved", "missing"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """A placement: ``yaw``, where the mean online room centre goes (2,), the shift in height."""
 
@@ -24,7 +27,7 @@ class Motion:
     z: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlanePair:
     """Online plane ``i`` of a room, its counterpart ``j`` (None when missing), the residuals."""
 
@@ -35,7 +38,7 @@ class PlanePair:
     offset: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RoomPair:
     """An explained room: the planes' counterparts under the best assignment."""
 
@@ -50,7 +53,7 @@ class RoomPair:
         return (self.r, self.a, *((p.j, p.state) for p in self.planes))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """What a placement explains; ``feasible`` by the definition of section 5."""
 
@@ -102,26 +105,26 @@ def explain(
         return None
     possible &= problem.planes_allowed(r, a)
     fits = possible & (np.abs(offset) <= c.fit_limit + slack)
-    crossed = mine.not_parallel(c.parallel_sine)
     terms = np.where(fits, fit_term(problem, offset, angle), moved_term(problem, angle))
-    best: tuple[float, tuple[int, ...]] | None = None
-    for choice in assignments(possible):
-        if not _explains(choice, fits, crossed):
-            continue
-        score = sum(
-            float(terms[i, j]) if j >= 0 else math.log(c.p_missing) for i, j in enumerate(choice)
-        )
-        if best is None or score > best[0]:
-            best = (score, choice)
-    if best is None:
+    choices = np.array(assignments(possible))
+    # Column -1 stands for a missing plane.
+    fitting = _column_added(fits, False)[np.arange(len(fits)), choices]
+    scores = _column_added(terms, math.log(c.p_missing))[np.arange(len(terms)), choices].sum(axis=1)
+    scores[~_explains(fitting, mine.not_parallel(c.parallel_sine))] = -math.inf
+    best = int(np.argmax(scores)) if len(scores) else -1
+    if best < 0 or scores[best] == -math.inf:
         return None
     planes = tuple(
         PlanePair(i, None, MISSING)
         if j < 0
         else PlanePair(i, j, FIT if fits[i, j] else MOVED, float(angle[i, j]), float(offset[i, j]))
-        for i, j in enumerate(best[1])
+        for i, j in enumerate(choices[best].tolist())
     )
-    return RoomPair(r, a, planes, best[0])
+    return RoomPair(r, a, planes, float(scores[best]))
+
+
+def _column_added(values: NDArray[Any], last: object) -> NDArray[Any]:
+    return np.concatenate([values, np.full((len(values), 1), last)], axis=1)
 
 
 def fit_term(problem: Problem, offset: Array, angle: Array) -> Array:
@@ -143,16 +146,20 @@ def moved_term(problem: Problem, angle: Array) -> Array:
 
 def assignments(possible: Flags) -> list[tuple[int, ...]]:
     """All injective assignments of rows to columns where at most one row is left out (-1)."""
+    return _assignments(tuple(tuple(np.flatnonzero(row).tolist()) for row in possible))
+
+
+@functools.lru_cache(maxsize=100_000)
+def _assignments(options: tuple[tuple[int, ...], ...]) -> list[tuple[int, ...]]:
     found: list[tuple[int, ...]] = []
 
     def extend(chosen: tuple[int, ...]) -> None:
-        i = len(chosen)
-        if i == len(possible):
+        if len(chosen) == len(options):
             found.append(chosen)
             return
-        for j in np.flatnonzero(possible[i]):
+        for j in options[len(chosen)]:
             if j not in chosen:
-                extend((*chosen, int(j)))
+                extend((*chosen, j))
         if -1 not in chosen:
             extend((*chosen, -1))
 
@@ -160,12 +167,12 @@ def assignments(possible: Flags) -> list[tuple[int, ...]]:
     return found
 
 
-def _explains(choice: tuple[int, ...], fits: Flags, crossed: Flags) -> bool:
-    """Section 2's conditions on one assignment."""
-    fitting = np.array([j >= 0 and bool(fits[i, j]) for i, j in enumerate(choice)])
-    if len(choice) == 2 or not crossed.any():
-        return bool(fitting.all())
-    return bool(crossed[np.ix_(fitting, fitting)].any())
+def _explains(fitting: Flags, crossed: Flags) -> Flags:
+    """Section 2's conditions on assignments, given which planes fit (k, planes)."""
+    if fitting.shape[1] == 2 or not crossed.any():
+        return np.asarray(fitting.all(axis=1))
+    fit = fitting.astype(int)
+    return np.asarray(((fit @ crossed.astype(int)) * fit).any(axis=1))
 
 
 def pair_up(scores: dict[tuple[int, int], float], rows: int, columns: int) -> list[tuple[int, int]]:

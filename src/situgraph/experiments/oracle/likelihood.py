@@ -46,8 +46,8 @@ def _plane_term(problem: Problem, found: list[PlanePair]) -> float:
     if not same:
         return math.log(c.p_missing)
     # The terms are quadratic, so the mean of the squares goes in as one root mean square.
-    angle = np.sqrt(np.mean([p.angle**2 for p in same]))
-    offset = np.sqrt(np.mean([p.offset**2 for p in same]))
+    angle = np.sqrt(sum(p.angle**2 for p in same) / len(same))
+    offset = np.sqrt(sum(p.offset**2 for p in same) / len(same))
     if by_state[FIT]:
         return float(fit_term(problem, offset, angle)) + untied
     return float(moved_term(problem, angle)) + untied

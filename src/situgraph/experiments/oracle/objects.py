@@ -15,7 +15,7 @@ from situgraph.geometry.poses import Array, rotation2
 from situgraph.scenegraph.graph import Object
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """The correspondences a placement implies, as objects need them."""
 

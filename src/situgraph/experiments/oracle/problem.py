@@ -16,7 +16,7 @@ from situgraph.scenegraph.graph import Object, Room, SceneGraph
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shape:
     """A room in the plan: centre (2,), and for each usable plane its line ``n.x + d = 0``."""
 
@@ -43,7 +43,7 @@ class Shape:
         return np.asarray(np.abs(crossed) >= sine)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shift:
     """A shift in height and the room pairs (N, M) whose storeys it maps onto each other."""
 
@@ -51,7 +51,7 @@ class Shift:
     pairs: Flags
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Problem:
     """An online and a prior graph, a policy and the constants."""
 

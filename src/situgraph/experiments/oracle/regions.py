@@ -42,7 +42,6 @@ class Regions:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self._boxes: dict[tuple[int, int, bytes], Array | None] = {}
-        self._choices: dict[tuple[bytes, tuple[int, ...]], list[tuple[int, ...]]] = {}
         self._rows, row_angles = _stacked(problem.seen)
         self._columns, column_angles = _stacked(problem.planned)
         self._turn = row_angles[:, None] - column_angles[None, :]
@@ -66,13 +65,6 @@ class Regions:
             for r, a in np.argwhere(bare <= 1)
         }
 
-    def choices(self, directed: Flags) -> list[tuple[int, ...]]:
-        """``assignments`` of these plane pairs."""
-        key = (directed.tobytes(), directed.shape)
-        if key not in self._choices:
-            self._choices[key] = assignments(directed)
-        return self._choices[key]
-
     def lines(self, r: int, a: int, directed: Flags) -> tuple[Array, Array]:
         """Every tolerance limit of the pair as a line ``n.x = value`` for the moved centre."""
         c = self.problem.constants
@@ -95,7 +87,7 @@ class Regions:
         fits = directed[None] & (offset <= c.fit_limit + SLACK)
         crossed = mine.not_parallel(c.parallel_sine)
         good = np.zeros(len(centers), dtype=bool)
-        for choice in self.choices(directed):
+        for choice in assignments(directed):
             pairs = [(i, j) for i, j in enumerate(choice) if j >= 0]
             if len(choice) == 2 or not crossed.any():
                 if len(pairs) == len(choice):
@@ -130,7 +122,7 @@ class Regions:
         """Rooms of parallel planes are explained along a strip: bounded only across an axis."""
         c, theirs = self.problem.constants, self.problem.planned[a]
         boxes = []
-        for choice in self.choices(directed):
+        for choice in assignments(directed):
             if -1 in choice:
                 continue
             box = EVERYWHERE.copy()

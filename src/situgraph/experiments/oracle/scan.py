@@ -30,12 +30,13 @@ FINE_MOST = math.radians(0.1)
 Pair = tuple[int, int]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Found:
-    """A feasible placement and the room pairs (N, M) that can be explained near it."""
+    """A feasible placement, the room pairs (N, M) to be looked at near it, how many planes fit."""
 
     motion: Motion
     near: Flags
+    fits: int
 
 
 def feasible_placements(problem: Problem, regions: Regions | None = None) -> list[Found]:
@@ -112,13 +113,13 @@ def _at_yaw(
     for crowd in _crowds(problem, boxes):
         near = np.zeros_like(shift.pairs)
         near[tuple(np.transpose(crowd))] = True
-        for key, point in _vertices(problem, regions, yaw, crowd, boxes):
-            yield key, Found(Motion(yaw, point, shift.z), near)
+        for key, point, fits in _vertices(problem, regions, yaw, crowd, boxes):
+            yield key, Found(Motion(yaw, point, shift.z), near, fits)
 
 
 def _vertices(
     problem: Problem, regions: Regions, yaw: float, crowd: list[Pair], boxes: dict[Pair, Array]
-) -> Iterator[tuple[bytes, Array]]:
+) -> Iterator[tuple[bytes, Array, int]]:
     directed = regions.directed(yaw)
     arms = {r: rotation2(yaw) @ (problem.seen[r].center - problem.middle) for r, _ in crowd}
     normals: list[Array] = []
@@ -134,9 +135,11 @@ def _vertices(
     # Vertices meet on shared tolerances many times over.
     points = points[np.unique(points.round(7), axis=0, return_index=True)[1]]
     good = np.zeros((len(points), len(crowd)), dtype=bool)
+    fitting = np.zeros(len(points), dtype=int)
     states: list[Flags] = []
     for k, (r, a) in enumerate(crowd):
         good[:, k], (near, fits) = regions.explained(r, a, directed[r, a], points + arms[r])
+        fitting += fits.sum(axis=(1, 2)) * good[:, k]
         bits = np.concatenate([near, fits], axis=1).reshape(len(points), -1)
         states.append(np.concatenate([good[:, k : k + 1], bits & good[:, k : k + 1]], axis=1))
     keys = np.packbits(np.concatenate(states, axis=1), axis=1)
@@ -148,7 +151,7 @@ def _vertices(
         explained = [pair for pair, ok in zip(crowd, good[members[0]]) if ok]
         if matched(explained) >= problem.least_rooms:
             # The strips that hold at all members are convex, so they hold at the mean.
-            yield names + key, points[members].mean(axis=0)
+            yield names + key, points[members].mean(axis=0), int(fitting[members[0]])
 
 
 def _crowded(problem: Problem, points: Array, crowd: list[Pair], boxes: dict[Pair, Array]) -> Flags:

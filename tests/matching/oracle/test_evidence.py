@@ -1,0 +1,208 @@
+"""The brute force's own evidence against numbers worked out by hand from docs/matching.md."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import pytest
+
+from situgraph.experiments.oracle.answer import answer, explained_at
+from situgraph.experiments.oracle.definition import Definition
+from situgraph.experiments.oracle.explained import FIT, MISSING, MOVED, pair_up
+from situgraph.experiments.oracle.grids import grid
+from situgraph.experiments.oracle.likelihood import evidence, plan_area, wall_evidence
+from situgraph.experiments.oracle.problem import Problem
+from situgraph.geometry.poses import Placement
+from situgraph.scenegraph.graph import Object, Plane, SceneGraph, Storey
+
+HERE = Placement()
+FITS = math.log(0.94 * 10 / (math.sqrt(2 * math.pi) * 0.06))
+MOVES = math.log(0.03 * 10 / 0.8)
+SEEN = math.log(0.9)
+
+
+def wall(graph: SceneGraph, name: str, **changes: object) -> SceneGraph:
+    """The graph with one plane changed."""
+    fields = ("id", "normal", "offset", "extent", "virtual", "source", "attributes")
+    planes = tuple(
+        Plane(**{f: changes.get(f, getattr(p, f)) for f in fields}) if p.id == name else p
+        for p in graph.planes
+    )
+    return graph.replace(planes=planes)
+
+
+def problem(online: SceneGraph, prior: SceneGraph, policy: str = "none") -> Problem:
+    return Problem(online, prior, policy, Definition())  # type: ignore[arg-type]
+
+
+def states(online: SceneGraph, prior: SceneGraph) -> dict[str, str]:
+    found = problem(online, prior)
+    seen = explained_at(found, HERE)
+    return {found.seen[pair.r].planes[p.i]: p.state for pair in seen.pairs for p in pair.planes}
+
+
+def test_a_room_at_its_place_is_worth_four_fitting_walls() -> None:
+    same = problem(grid(1, 1), grid(1, 1))
+    assert wall_evidence(same, explained_at(same, HERE)) == pytest.approx(4 * FITS + SEEN)
+
+
+@pytest.mark.parametrize(
+    ("offset", "state"), [(0.149, FIT), (0.151, MOVED), (0.399, MOVED), (0.401, MISSING)]
+)
+def test_a_wall_fits_is_moved_or_is_missing_by_its_offset(offset: float, state: str) -> None:
+    plan = wall(grid(1, 1), "w0-0", offset=offset)
+    assert states(grid(1, 1), plan)["w0-0"] == state
+
+
+def test_each_state_has_its_term() -> None:
+    for offset, term in [
+        (0.1, FITS - 0.1**2 / (2 * 0.06**2)),
+        (0.3, MOVES),
+        (3.0, math.log(0.03)),
+    ]:
+        case = problem(grid(1, 1), wall(grid(1, 1), "w0-0", offset=offset))
+        total = wall_evidence(case, explained_at(case, HERE))
+        assert total == pytest.approx(3 * FITS + term + SEEN)
+
+
+def test_a_turned_wall_pays_for_its_angle_and_beyond_the_tolerance_is_missing() -> None:
+    for degrees, term in [(4.0, FITS - 2.0), (6.0, math.log(0.03))]:
+        angle = math.radians(degrees)
+        normal = (math.cos(angle), math.sin(angle), 0.0)
+        # Turned about the point of the wall that is nearest to the room's centre.
+        plan = wall(grid(1, 1), "w0-0", normal=normal, offset=2 - (2 * normal[0] + 2.5 * normal[1]))
+        case = problem(grid(1, 1), plan)
+        total = wall_evidence(case, explained_at(case, HERE))
+        assert total == pytest.approx(3 * FITS + term + SEEN)
+
+
+def test_two_missing_walls_are_one_too_many() -> None:
+    plan = wall(wall(grid(1, 1), "w0-0", offset=3.0), "s0-0", offset=3.0)
+    assert not explained_at(problem(grid(1, 1), plan), HERE).pairs
+
+
+def test_a_room_needs_two_fitting_walls_that_are_not_parallel() -> None:
+    plan = wall(wall(grid(1, 1), "w0-0", offset=0.3), "e0-0", offset=4.3)
+    assert not explained_at(problem(grid(1, 1), plan), HERE).pairs
+
+
+def test_a_shared_wall_counts_once() -> None:
+    online = grid(1, 2)
+    rooms = [online.rooms[0], online.rooms[1]]
+    # One long southern wall bounds both rooms.
+    rooms[1] = msgspec.structs.replace(
+        rooms[1], planes=tuple("s0-0" if p == "s0-1" else p for p in rooms[1].planes)
+    )
+    shared = online.replace(rooms=tuple(rooms))
+    case = problem(shared, grid(1, 2))
+    assert wall_evidence(case, explained_at(case, HERE)) == pytest.approx(7 * FITS + 2 * SEEN)
+
+
+def test_rooms_are_paired_for_number_first_and_score_after() -> None:
+    assert pair_up({(0, 0): 5.0, (0, 1): -3.0, (1, 0): -3.0}, 2, 2) == [(0, 1), (1, 0)]
+    assert pair_up({(0, 0): 1.0, (0, 1): 2.0, (1, 0): 2.0, (1, 1): 2.0}, 2, 2) == [(0, 1), (1, 0)]
+    assert pair_up({(0, 1): 1.0, (0, 0): 1.0}, 1, 2) == [(0, 0)]
+
+
+def test_the_area_is_that_of_each_storeys_centres_grown_by_five_metres() -> None:
+    one = problem(grid(1, 1), grid(2, 2))
+    assert plan_area(one) == pytest.approx((4.2 + 10) * (5.2 + 10))
+
+
+def test_a_tilted_wall_is_cut_at_the_height_of_its_room() -> None:
+    lean = math.radians(2)
+    normal = (math.cos(lean), 0.0, math.sin(lean))
+    online = wall(grid(1, 1), "w0-0", normal=normal, offset=-9.0 * math.sin(lean))
+    high = tuple(msgspec.structs.replace(r, center=(2.0, 2.5, 9.0)) for r in online.rooms)
+    online = online.replace(rooms=high)
+    assert states(online, grid(1, 1))["w0-0"] == FIT
+
+
+def test_storeys_agree_by_one_shift_for_all() -> None:
+    def stacked(heights: tuple[float, ...]) -> SceneGraph:
+        graph = grid(1, len(heights))
+        rooms = tuple(msgspec.structs.replace(r, storey=f"s{i}") for i, r in enumerate(graph.rooms))
+        storeys = tuple(Storey(f"s{i}", None, h) for i, h in enumerate(heights))
+        return graph.replace(rooms=rooms, storeys=storeys)
+
+    found = answer(problem(stacked((0.0, 3.0)), stacked((5.0, 8.0))))
+    assert {round(c.view.motion.z, 6) for c in found.candidates} == {5.0}
+    assert not answer(problem(stacked((0.0, 3.0)), stacked((5.0, 9.0)))).candidates
+
+
+def with_objects(graph: SceneGraph, *objects: tuple[str, float, float, str]) -> SceneGraph:
+    return graph.replace(
+        objects=tuple(
+            Object(
+                f"o{i}", category, (x, y, 1.0), rooms=("r0-0",), planes=(plane,) if plane else ()
+            )
+            for i, (category, x, y, plane) in enumerate(objects)
+        )
+    )
+
+
+def object_gain(online: SceneGraph, prior: SceneGraph) -> float:
+    case = problem(online, prior, "likelihood")
+    seen = explained_at(case, HERE)
+    return evidence(case, seen) - wall_evidence(case, seen)
+
+
+def near(distance: float) -> float:
+    bell = 0.9 * math.exp(-(distance**2) / (2 * 0.25**2)) / (2 * math.pi * 0.25**2)
+    return math.log(20 * (bell + (0.1 / math.pi if distance <= 1 else 0.0)))
+
+
+def unseen(missed: int, found: int, miss: float = 0.08) -> float:
+    def chance(u: float) -> float:
+        return (1 - u + u * miss) ** missed * (u * (1 - miss)) ** found
+
+    whole = 0.7 * chance(1.0) + 0.3 * (chance(0.0) + chance(0.5)) / 2
+    return math.log(whole) - found * math.log(1 - miss)
+
+
+def test_an_object_at_its_place_on_its_wall() -> None:
+    plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"))
+    gain = math.log(0.92) + math.log(0.95) + near(0.0) + unseen(0, 1)
+    assert object_gain(plan, plan) == pytest.approx(gain)
+
+
+def test_an_object_on_another_wall_or_aside() -> None:
+    plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"))
+    seen = with_objects(grid(1, 1), ("door", 1.4, 0.0, "w0-0"))
+    gain = math.log(0.92) + math.log(0.05) + near(0.4) + unseen(0, 1)
+    assert object_gain(seen, plan) == pytest.approx(gain)
+
+
+def test_a_missed_and_a_false_object() -> None:
+    plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, ""))
+    assert object_gain(grid(1, 1), plan) == pytest.approx(unseen(1, 0))
+    seen = with_objects(grid(1, 1), ("door", 3.9, 4.9, ""))
+    assert object_gain(seen, plan) == pytest.approx(math.log(0.04) + unseen(1, 0))
+
+
+def test_a_second_sight_of_one_object() -> None:
+    plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, ""))
+    seen = with_objects(grid(1, 1), ("door", 1.0, 0.0, ""), ("door", 1.2, 0.0, ""))
+    gain = math.log(0.92) + near(0.0) + math.log(0.03) + near(0.2) + unseen(0, 1)
+    assert object_gain(seen, plan) == pytest.approx(gain)
+
+
+def test_a_rare_category_tells_more_and_one_not_modelled_nothing() -> None:
+    plan = with_objects(
+        grid(1, 1), ("door", 1.0, 0.0, ""), ("door", 3.0, 0.0, ""), ("sink", 2.0, 2.0, "")
+    )
+    seen = with_objects(grid(1, 1), ("sink", 2.0, 2.0, ""), ("lamp", 1.0, 1.0, ""))
+    gain = math.log(0.92 / (1 / 3)) + near(0.0) + unseen(2, 1)
+    assert object_gain(seen, plan) == pytest.approx(gain)
+
+
+def test_containment_lets_a_room_with_an_object_too_many_go() -> None:
+    plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"))
+    twice = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"), ("door", 3.0, 0.0, "s0-0"))
+    assert not explained_at(problem(twice, plan, "containment"), HERE).pairs
+    assert explained_at(problem(plan, plan, "containment"), HERE).pairs
+    elsewhere = with_objects(grid(1, 1), ("door", 0.0, 2.0, "w0-0"))
+    # The wall with the door has no counterpart; that one missing wall is forgiven.
+    (pair,) = explained_at(problem(elsewhere, plan, "containment"), HERE).pairs
+    assert [p.state for p in pair.planes].count(MISSING) == 1
