@@ -10,6 +10,7 @@ from situgraph.plan.building import Building, Element
 from situgraph.plan.config import PlanConfig
 from situgraph.plan.contents import Placed, ellipsoid, find_contents
 from situgraph.plan.derived import derive_rooms
+from situgraph.plan.digits import horizontal, metres, point2, point3
 from situgraph.plan.faces import Face
 from situgraph.plan.rooms import RoomShape, center, overlaps, ring, room_shape
 from situgraph.plan.storeys import Storeys, find_storeys
@@ -34,7 +35,7 @@ def assemble(building: Building, config: PlanConfig) -> SceneGraph:
     rooms = tuple(_room(i, s, storeys, plane_ids[i], derived) for i, s in enumerate(shapes))
     objects = tuple(_object(i, p, plane_ids, audited, config) for i, p in enumerate(placed))
     warnings = [
-        *building.warnings, *_derived(derived, shapes), *_floorless(lost),
+        *building.warnings, *_far_away(building), *_derived(derived, shapes), *_floorless(lost),
         *storeys.warnings, *_odd_rooms(shapes), *contents.warnings,
         *homeless(placed), *boundary_warnings(audited, placed, shapes),
     ]  # fmt: skip
@@ -102,17 +103,17 @@ def _plane(
 ) -> Plane:
     attributes: dict[str, Scalar] = {
         "backed": round(behind.share, 4),
-        "length": round(face.length, 4),
-        "bottom": round(face.bottom, 4),
-        "top": round(face.top, 4),
+        "length": metres(face.length),
+        "bottom": metres(face.bottom),
+        "top": metres(face.top),
     }
     if behind.gap is not None:
-        attributes["gap"] = round(behind.gap, 4)
+        attributes["gap"] = metres(behind.gap)
     return Plane(
         id=key,
-        normal=(*face.normal, 0.0),
-        offset=face.offset,
-        extent=(face.point(face.low), face.point(face.high)),
+        normal=horizontal(face.normal),
+        offset=metres(face.offset),
+        extent=(point2(face.point(face.low)), point2(face.point(face.high))),
         virtual=behind.share < config.virtual_share,
         source=None if behind.key is None else sources[behind.key],
         attributes=attributes,
@@ -126,9 +127,9 @@ def _room(
     x, y = center(shape)
     attributes: dict[str, Scalar] = {
         **({"derived": True} if derived else {"guid": element.guid}),
-        "area": round(float(shape.outline.area), 4),
-        "bottom": round(shape.bottom, 4),
-        "height": round(shape.top - shape.bottom, 4),
+        "area": metres(shape.outline.area),
+        "bottom": metres(shape.bottom),
+        "height": metres(shape.top - shape.bottom),
     }
     if element.long_name:
         attributes["long_name"] = element.long_name
@@ -136,7 +137,7 @@ def _room(
         attributes["holes"] = len(shape.outline.interiors)
     return Room(
         id=f"r{number}",
-        center=(x, y, 0.5 * (shape.bottom + shape.top)),
+        center=point3((x, y, 0.5 * (shape.bottom + shape.top))),
         planes=tuple(planes),
         storey=f"s{storeys.of_room[number]}",
         name=element.name,
@@ -163,13 +164,23 @@ def _object(
     return Object(
         id=f"o{number}",
         category=item.category,
-        center=item.box.center,
+        center=point3(item.box.center),
         ellipsoid=ellipsoid(item.box, config.min_semi_axis),
         rooms=tuple(f"r{r}" for r in item.rooms),
         planes=tuple(plane_ids[room][face] for room, face in item.faces),
         confidence=1.0,
         attributes=attributes,
     )
+
+
+def _far_away(building: Building) -> Iterator[Warning]:
+    if any(building.offset):
+        x, y, z = building.offset
+        message = (
+            f"the model stands far from its origin: ({x:.0f}, {y:.0f}, {z:.0f}) m are taken off "
+            "all coordinates"
+        )
+        yield Warning("model-offset", message)
 
 
 def _derived(derived: bool, shapes: Sequence[RoomShape]) -> Iterator[Warning]:

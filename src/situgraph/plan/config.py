@@ -124,7 +124,7 @@ class PlanConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     max_memory_mb: Annotated[
         int,
         _meta(
-            "Address space the reader of a building model may take", "MB", "bounded input", ge=256
+            "Address space the reader of a building model may take", "MB", "bounded input", ge=64
         ),
     ] = 8192
     max_seconds: Annotated[

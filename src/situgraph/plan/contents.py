@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from situgraph.plan.backing import WallFaces
+from situgraph.plan.backing import PARALLEL, WallFaces
 from situgraph.plan.building import Building, Element, Filling
 from situgraph.plan.config import PlanConfig
+from situgraph.plan.digits import point3
 from situgraph.plan.hosting import Host, RoomFaces, hosts, room_faces
 from situgraph.plan.openings import Box, extent_box, filling_box
 from situgraph.plan.rooms import RoomShape
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from shapely import STRtree
 
 
-SAME_PLACE = 0.1  # m; doors whose centres and half sizes differ less are one door
+SAME_PLACE = 0.1  # m; doors whose places and half sizes differ less are one door
+NEAR = 1.0  # m; doors farther apart are not compared
 
 
 class Placed(msgspec.Struct, frozen=True):
@@ -51,6 +53,7 @@ def place_filling(
         if not _is_passage(box, found, rooms, config):
             return None
         category = "door"
+    found = sorted(found, key=lambda h: (h.room, h.face))
     chosen = tuple(dict.fromkeys(h.room for h in found))
     if not found:
         chosen = tuple(rooms.around(box)[:1])
@@ -63,7 +66,7 @@ def _one_a_side(found: Sequence[Host], box: Box, faces: RoomFaces) -> list[Host]
     for host in found:
         row = int(np.flatnonzero((faces.room == host.room) & (faces.face == host.face))[0])
         out.setdefault(bool(faces.normal[row] @ np.array(box.across) > 0.0), host)
-    return [out[side] for side in sorted(out)]
+    return list(out.values())
 
 
 def _is_passage(box: Box, found: Sequence[Host], rooms: RoomIndex, config: PlanConfig) -> bool:
@@ -108,9 +111,8 @@ def ellipsoid(box: Box, smallest: float) -> Ellipsoid:
     yaw = box.yaw
     if not -math.pi / 2 < yaw <= math.pi / 2:  # a box turned by half a turn is the same box
         yaw -= math.copysign(math.pi, yaw)
-    width, depth, height = (max(h, smallest) for h in box.half)
-    turn = (0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
-    return Ellipsoid((width, depth, height), turn)
+    turn = (0.0, 0.0, round(math.sin(yaw / 2.0), 12) + 0.0, round(math.cos(yaw / 2.0), 12))
+    return Ellipsoid(point3(max(h, smallest) for h in box.half), turn)
 
 
 class RoomIndex:
@@ -195,10 +197,23 @@ _LEFT_OUT = {
 def _once(fillings: Sequence[Filling], boxes: Mapping[int, Box]) -> list[Filling]:
     """Fillings without those that repeat an earlier one; the one whose host is known stays."""
     order = sorted(fillings, key=lambda f: (f.host is None, f.key))
-    place = np.array([(*boxes[f.key].center, *boxes[f.key].half) for f in order]).reshape(-1, 6)
+    centers = np.array([boxes[f.key].center for f in order]).reshape(-1, 3)
     kept: list[int] = []
     for n, filling in enumerate(order):
-        near = np.abs(place[kept] - place[n]).max(axis=1, initial=0.0) <= SAME_PLACE
-        if not any(order[kept[k]].category == filling.category for k in np.flatnonzero(near)):
+        near = np.abs(centers[kept] - centers[n]).max(axis=1, initial=0.0) <= NEAR
+        others = [order[kept[k]] for k in np.flatnonzero(near)]
+        others = [o for o in others if o.category == filling.category]
+        if not any(_is_same(boxes[o.key], boxes[filling.key]) for o in others):
             kept.append(n)
     return sorted((order[n] for n in kept), key=lambda f: f.key)
+
+
+def _is_same(one: Box, other: Box) -> bool:
+    """Whether two boxes are one door: as wide, as high, and in the same place of the same wall."""
+    apart = np.array(other.center) - one.center
+    across, along = abs(apart[:2] @ one.across), abs(apart[:2] @ one.along)
+    if abs(np.dot(one.across, other.across)) < PARALLEL:
+        return False
+    sizes = (abs(one.half[0] - other.half[0]), abs(one.half[2] - other.half[2]))
+    beside = across <= one.half[1] + other.half[1] + SAME_PLACE
+    return bool(beside and max(along, abs(apart[2]), *sizes) <= SAME_PLACE)

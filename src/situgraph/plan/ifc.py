@@ -70,9 +70,9 @@ def build_graph(path: str | os.PathLike[str], config: PlanConfig) -> SceneGraph:
     from situgraph.plan.ifc_model import read_building
     from situgraph.scenegraph.validation import validate
 
-    model, schema = open_ifc(path, config)
+    opened = open_ifc(path, config)
     try:
-        building = read_building(model, schema, config)
+        building = read_building(opened.model, opened.schema, config)
     except MemoryError:
         raise
     except Exception as error:  # whatever a broken model makes the parser or its entities raise
@@ -82,7 +82,8 @@ def build_graph(path: str | os.PathLike[str], config: PlanConfig) -> SceneGraph:
         ) from error
     if not building.spaces and not building.walls:
         raise InputError(path, "holds neither spaces nor walls", "export the model with its rooms")
-    graph = assemble(building, config)
+    warnings = (*opened.warnings, *building.warnings)
+    graph = assemble(msgspec.structs.replace(building, warnings=warnings), config)
     if not graph.rooms:
         problem = "has no spaces, and its walls enclose no room"
         raise InputError(path, problem, "export the model with its rooms (IfcSpace)")

@@ -47,7 +47,7 @@ def read_in_child(path: Path, config: PlanConfig) -> tuple[SceneGraph, float]:
         problem = f"takes more than {config.max_seconds:.0f} s to read"
         raise InputError(path, problem, "raise plan.max_seconds if you trust it") from None
     if done.returncode < 0 or not done.stdout:
-        if b"MemoryError" in done.stderr or b"bad_alloc" in done.stderr:
+        if any(sign in done.stderr for sign in _OUT_OF_MEMORY):
             problem = f"needs more than {config.max_memory_mb} MB to read"
             raise InputError(path, problem, "raise plan.max_memory_mb if you trust it")
         if done.returncode < 0:
@@ -57,6 +57,16 @@ def read_in_child(path: Path, config: PlanConfig) -> tuple[SceneGraph, float]:
     if answer.graph is None:
         raise InputError(path, (answer.problem or "cannot be read").removeprefix(f"{path}: "))
     return answer.graph, answer.peak_mb
+
+
+# What Python, C++, OpenBLAS and the dynamic loader say when the limit is reached.
+_OUT_OF_MEMORY = (
+    b"MemoryError",
+    b"bad_alloc",
+    b"Memory allocation",
+    b"allocate memory",
+    b"failed to map segment",
+)
 
 
 def _environment() -> dict[str, str]:

@@ -9,11 +9,15 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from situgraph.errors import InputError
 from situgraph.plan.config import PlanConfig
+from situgraph.scenegraph.graph import Warning
 
 HEAD_BYTES = 65_536  # a header is a few lines; generous for long option lists
 TAIL_BYTES = 4_096
@@ -24,6 +28,14 @@ _READ_AS = (
     ("IFC4", "IFC4"),
     ("IFC2X", "IFC2X3"),
 )
+
+
+class OpenModel(msgspec.Struct, frozen=True):
+    """A parsed model (``ifcopenshell.file``), the schema its header names, and what is odd."""
+
+    model: Any
+    schema: str
+    warnings: tuple[Warning, ...]
 
 
 def check_ifc(path: str | os.PathLike[str], config: PlanConfig) -> None:
@@ -89,30 +101,56 @@ def schema_of(head: bytes, file: object) -> tuple[str, str]:
     raise InputError(file, f"has the schema {name}", "export it as IFC2x3, IFC4 or IFC4.3")
 
 
-def open_ifc(path: str | os.PathLike[str], config: PlanConfig) -> tuple[Any, str]:
-    """The parsed model (an ``ifcopenshell.file``) and the schema name its header gives.
+def open_ifc(path: str | os.PathLike[str], config: PlanConfig) -> OpenModel:
+    """The parsed model of an IFC file.
 
     A schema name that the parser does not know, such as ``IFC2X_FINAL`` or ``IFC4X3``, is read as
     its nearest relative.
 
     Raises:
-        InputError: what :func:`check_ifc` refuses, or a syntax error.
+        InputError: what :func:`check_ifc` refuses, a syntax error, or a bracket that never closes
+            (the parser swallows the rest of the file silently).
     """
     import ifcopenshell
 
     check_ifc(path, config)
     file = Path(path)
+    log: Callable[[], str] = ifcopenshell.get_log
+    log()  # whatever was said of another file
     try:
         with file.open("rb") as stream:
             head = stream.read(HEAD_BYTES)
         name, known = schema_of(head, file)
         if name == known:
-            return ifcopenshell.open(file, ".ifc"), name
-        text = file.read_bytes().replace(f"'{name}'".encode(), f"'{known}'".encode(), 1)
-        return ifcopenshell.file.from_string(text.decode("latin-1")), name
+            model = ifcopenshell.open(file, ".ifc")
+        else:
+            text = file.read_bytes().replace(f"'{name}'".encode(), f"'{known}'".encode(), 1)
+            model = ifcopenshell.file.from_string(text.decode("latin-1"))
+    except MemoryError:
+        raise InputError(
+            file, "does not fit in memory", "raise plan.max_memory_mb if you trust it"
+        ) from None
     except InputError:
         raise
-    except MemoryError:
-        raise InputError(file, "does not fit in memory", "raise plan.max_memory_mb") from None
     except Exception as error:
         raise InputError(file, f"is not valid STEP ({error})", "export or copy it again") from error
+    errors = [line for line in log().splitlines() if line.startswith("[error]")]
+    if any("'ENDSEC' not found" in line for line in errors):
+        problem = "is damaged: the parser loses its way before the end"
+        raise InputError(file, problem, "export or copy it again")
+    return OpenModel(model, name, tuple(_complaints(name, known, errors)))
+
+
+def _family(schema: str) -> str:
+    """``IFC4X3`` of ``IFC4X3_ADD2``, ``IFC2X`` of ``IFC2X_FINAL``."""
+    found = re.match(r"IFC\d(X\d?)?", schema.upper())
+    return found.group() if found else schema
+
+
+def _complaints(name: str, known: str, errors: Sequence[str]) -> Iterator[Warning]:
+    if _family(name) != _family(known):
+        yield Warning("schema-read-as", f"the schema {name} is read as {known}")
+    if errors:
+        first = re.sub(r"\[[^]]*\]\s*", "", errors[0])[:200]
+        message = f"the parser finds {len(errors)} errors in the file, the first: {first}"
+        yield Warning("damaged-file", message)

@@ -59,9 +59,17 @@ def filling_box(filling: Filling, walls: WallFaces) -> Box:
     points = filling.mesh.vertices[:, :2]
     across = _across(points, host)
     if across is None:
-        across = filling.across or _short_side(points)
+        across = _stated_across(filling) or _short_side(points)
     box = oriented_box(filling.mesh, across)
     return _cut_to_wall(box, host)
+
+
+def _stated_across(filling: Filling) -> tuple[float, float] | None:
+    """The direction its placement states, unless the body is deeper than wide in it."""
+    if filling.across is None:
+        return None
+    half = oriented_box(filling.mesh, filling.across).half
+    return filling.across if half[1] <= half[0] else None
 
 
 def oriented_box(mesh: Mesh, across: tuple[float, float]) -> Box:

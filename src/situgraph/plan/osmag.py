@@ -14,6 +14,7 @@ from pathlib import Path
 from situgraph.errors import InputError
 from situgraph.plan.config import PlanConfig
 from situgraph.plan.contents import ellipsoid
+from situgraph.plan.digits import horizontal, metres, point2, point3
 from situgraph.plan.faces import Face
 from situgraph.plan.hosting import room_faces
 from situgraph.plan.osm_areas import Areas, find_areas
@@ -68,17 +69,17 @@ def _planes(shapes: Sequence[RoomShape]) -> tuple[tuple[Plane, ...], list[list[s
 def _plane(key: str, face: Face, shape: RoomShape) -> Plane:
     return Plane(
         id=key,
-        normal=(*face.normal, 0.0),
-        offset=face.offset,
-        extent=(face.point(face.low), face.point(face.high)),
+        normal=horizontal(face.normal),
+        offset=metres(face.offset),
+        extent=(point2(face.point(face.low)), point2(face.point(face.high))),
         source=f"way {shape.element.guid}",
-        attributes={"length": round(face.length, 4)},
+        attributes={"length": metres(face.length)},
     )
 
 
 def _room(number: int, areas: Areas, planes: Sequence[str]) -> Room:
     way, shape = areas.ways[number], areas.shapes[number]
-    attributes: dict[str, Scalar] = {"way": way.id, "area": round(float(shape.outline.area), 4)}
+    attributes: dict[str, Scalar] = {"way": way.id, "area": metres(shape.outline.area)}
     if "osmAG:parent" in way.tags:
         attributes["parent"] = way.tags["osmAG:parent"]
     if shape.outline.interiors:
@@ -86,7 +87,7 @@ def _room(number: int, areas: Areas, planes: Sequence[str]) -> Room:
     x, y = center(shape)
     return Room(
         id=f"r{number}",
-        center=(x, y, 0.5 * (shape.bottom + shape.top)),
+        center=point3((x, y, 0.5 * (shape.bottom + shape.top))),
         planes=tuple(planes),
         storey=areas.storeys[areas.levels[number]].id,
         name=shape.element.name,
@@ -102,7 +103,7 @@ def _door(
     return Object(
         id=f"o{number}",
         category="door",
-        center=passage.box.center,
+        center=point3(passage.box.center),
         ellipsoid=ellipsoid(passage.box, config.min_semi_axis),
         rooms=tuple(f"r{r}" for r in passage.rooms),
         planes=tuple(ids[room][face] for room, face in passage.faces),

@@ -9,6 +9,7 @@ import msgspec
 
 from situgraph.plan.building import Element
 from situgraph.plan.config import PlanConfig
+from situgraph.plan.digits import point2
 from situgraph.plan.faces import Face, vertical_faces
 from situgraph.plan.outlines import footprint
 from situgraph.scenegraph.graph import Vec2
@@ -84,7 +85,7 @@ def center(shape: RoomShape) -> Vec2:
 
 def ring(shape: RoomShape) -> tuple[Vec2, ...]:
     """The outer corners of the floor, counter-clockwise."""
-    return tuple((float(x), float(y)) for x, y in shape.outline.exterior.coords[:-1])
+    return tuple(point2(corner) for corner in shape.outline.exterior.coords[:-1])
 
 
 def overlaps(shapes: Sequence[RoomShape]) -> Iterator[tuple[int, int, float]]:

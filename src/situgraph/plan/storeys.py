@@ -9,6 +9,7 @@ import numpy as np
 
 from situgraph.plan.building import Level
 from situgraph.plan.config import PlanConfig
+from situgraph.plan.digits import metres
 from situgraph.plan.rooms import RoomShape
 from situgraph.scenegraph.graph import Scalar, Storey, Warning
 
@@ -113,8 +114,8 @@ def _storeys(
             Storey(
                 id=f"s{i}",
                 name=group.level.name if group.level is not None else None,
-                elevation=elevations[i],
-                height=min(above) - elevations[i] if above else ceiling,
+                elevation=metres(elevations[i]),
+                height=metres(min(above) - elevations[i] if above else ceiling),
                 attributes=attributes,
             )
         )
