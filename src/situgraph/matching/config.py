@@ -144,10 +144,9 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         float,
         _meta("Feasible sets narrower than this may be passed over", "m", "docs/matching.md", gt=0),
     ] = 0.001
-    smallest_turn: Annotated[
-        float,
-        _meta("Feasible sets narrower in yaw may be passed over", "rad", "docs/matching.md", gt=0),
-    ] = 1e-5
+    peak_step: Annotated[
+        float, _meta("Peaks are looked for from placements this near each other", "m", "docs/matching.md", gt=0)
+    ] = 0.05
     max_boxes: Annotated[
         int,
         _meta(

@@ -1,0 +1,367 @@
+"""Boxes of placements: what can be explained somewhere inside, and the box made smaller by it.
+
+A box is anchored at a point of the map, the arm ``(ax, ay)`` from the mean room centre; it holds the
+placements that turn by ``yaw`` up to ``turn`` more or less and take the anchor to ``(px, py)`` plus up
+to ``hu`` along the axis ``(ux, uy)`` and up to ``hv`` across it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from situgraph.matching.compiled import kernel
+from situgraph.matching.containment import room_allowed
+from situgraph.matching.explained import SLACK, Slack, give, may_explain, wrapped
+from situgraph.matching.lookup import find
+from situgraph.matching.pairing import add_option, pair_up
+from situgraph.matching.tables import Flags, Floats, Ints
+
+YAW, TURN, PX, PY, UX, UY, HU, HV, AX, AY = range(10)  # columns of a box
+SIDES = 10
+
+
+class Spans(NamedTuple):
+    """For each online room, where in the box it can be explained; and its planes' spans."""
+
+    low: Floats  # (3, N) yaw, along, across
+    high: Floats  # (3, N)
+    required: Flags  # (N,) rooms that must be explained
+    sorted: Floats  # (N,) to select in
+    turn_low: Floats  # (n,) yaws for which a plane can fit
+    turn_high: Floats  # (n,)
+    nu: Floats  # (n,) its normal in the box's axes
+    nv: Floats  # (n,)
+    off_low: Floats  # (n,) moves along its normal for which it can fit
+    off_high: Floats  # (n,)
+    kind: Ints  # (n,) 0: cannot fit, 1: one direction, 2: several
+
+
+@kernel
+def new_spans(rooms, widest):
+    """Spans of nothing, no room required."""
+    return Spans(
+        np.empty((3, rooms)), np.empty((3, rooms)), np.zeros(rooms, dtype=np.bool_), np.empty(rooms),
+        np.empty(widest), np.empty(widest), np.empty(widest), np.empty(widest), np.empty(widest),
+        np.empty(widest), np.zeros(widest, dtype=np.int64),
+    )
+
+
+@kernel
+def slack_of(box, wx, wy):
+    """What may change inside the box for a room that lies at ``(wx, wy)`` from the anchor, turned."""
+    turn = box[TURN]
+    return Slack(
+        turn, box[UX], box[UY], box[HU], box[HV], wx, wy, 1 - math.cos(turn), math.sin(turn)
+    )
+
+
+@kernel
+def radius(box):
+    """How far the anchor moves inside the box."""
+    return math.sqrt(box[HU] ** 2 + box[HV] ** 2)
+
+
+@kernel
+def possible(seen, plan, limits, content, storeys, finder, box, r):
+    """Whether room ``r`` may be explained somewhere in the box."""
+    storey = storeys[seen.storey[r]]
+    if storey < 0:
+        return False
+    found = find(
+        seen, plan, limits, finder, r, storey, box[YAW], box[TURN],
+        box[AX], box[AY], box[PX], box[PY], radius(box), False,
+    )
+    if found < 0:
+        return True
+    c, s = math.cos(box[YAW]), math.sin(box[YAW])
+    gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
+    wx, wy = c * gx - s * gy, s * gx + c * gy
+    slack = slack_of(box, wx, wy)
+    for k in range(found):
+        a = finder.room[k]
+        if room_allowed(content, r, a) and may_explain(
+            seen, plan, limits, r, a, box[YAW], box[PX] + wx, box[PY] + wy, slack
+        ):
+            return True
+    return False
+
+
+@kernel
+def shrink(seen, plan, limits, content, storeys, least, work, spans, box):
+    """Cut from the box what cannot be feasible; False when nothing is left.
+
+    At least ``least`` rooms must be explained at a feasible placement, and the required ones. So its
+    yaw is not below the ``least``-th smallest of the rooms' lowest yaws; likewise on all six sides.
+    """
+    rooms = len(seen.storey)
+    options = work.options
+    counted, shared = 0, False
+    for r in range(rooms):
+        options.count[r] = 0
+        if _span(seen, plan, limits, content, storeys, work, spans, box, r):
+            counted += 1
+        else:
+            spans.low[0, r] = np.inf
+            if spans.required[r] or counted + rooms - r - 1 < least:
+                return False
+    if not _enough_apart(options, least, work):
+        return False
+    for side in range(3):
+        low = _extreme(spans.low[side], spans, least, 1.0)
+        high = -_extreme(spans.high[side], spans, least, -1.0)
+        if low > high:
+            return False
+        middle, half = (low + high) / 2, (high - low) / 2
+        if side == 0:
+            box[YAW] += middle
+            box[TURN] = min(half, box[TURN])
+        elif side == 1:
+            along, box[HU] = middle, min(half, box[HU])
+        else:
+            box[PX] += along * box[UX] - middle * box[UY]
+            box[PY] += along * box[UY] + middle * box[UX]
+            box[HV] = min(half, box[HV])
+    return True
+
+
+@kernel
+def _extreme(bound, spans, least, sign):
+    """The ``least``-th smallest of ``sign * bound`` over the rooms, not below any required room's."""
+    count, must = 0, -np.inf
+    for r in range(len(bound)):
+        if spans.low[0, r] == np.inf:
+            continue
+        value = sign * bound[r]
+        if spans.required[r] and value > must:
+            must = value
+        k = count
+        while k > 0 and spans.sorted[k - 1] > value:
+            spans.sorted[k] = spans.sorted[k - 1]
+            k -= 1
+        spans.sorted[k] = value
+        count += 1
+    return max(spans.sorted[least - 1], must)
+
+
+@kernel
+def _enough_apart(options, least, work):
+    """Whether enough rooms can go to prior rooms of their own."""
+    free = 0
+    for r in range(len(options.count)):
+        if options.count[r] < 0:  # anything is possible
+            options.count[r] = 0
+            free += 1
+            continue
+        for k in range(options.count[r]):
+            a = options.room[r, k]
+            if options.owner[a] == 0:
+                options.owner[a] = 1
+                free += 1
+                break
+    for r in range(len(options.count)):
+        for k in range(options.count[r]):
+            options.owner[options.room[r, k]] = 0
+    if free >= least:
+        return True
+    unknown = 0
+    for r in range(len(options.count)):
+        unknown += options.count[r] == 0 and work.wide[r]
+    return unknown + pair_up(options, work.two.room) >= least
+
+
+@kernel
+def _span(seen, plan, limits, content, storeys, work, spans, box, r):
+    """Where in the box ``r`` can be explained, as a hull on the three axes; False when nowhere."""
+    storey = storeys[seen.storey[r]]
+    work.wide[r] = False
+    if storey < 0:
+        return False
+    found = find(
+        seen, plan, limits, work.finder, r, storey, box[YAW], box[TURN],
+        box[AX], box[AY], box[PX], box[PY], radius(box), False,
+    )
+    half = (box[TURN], box[HU], box[HV])
+    if found < 0:
+        work.wide[r] = True
+        work.options.count[r] = -1
+        for side in range(3):
+            spans.low[side, r], spans.high[side, r] = -half[side], half[side]
+        return True
+    c, s = math.cos(box[YAW]), math.sin(box[YAW])
+    gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
+    wx, wy = c * gx - s * gy, s * gx + c * gy
+    slack = slack_of(box, wx, wy)
+    x, y = box[PX] + wx, box[PY] + wy
+    for side in range(3):
+        spans.low[side, r], spans.high[side, r] = np.inf, -np.inf
+    for k in range(found):
+        a = work.finder.room[k]
+        if not room_allowed(content, r, a):
+            continue
+        if not may_explain(seen, plan, limits, r, a, box[YAW], x, y, slack):
+            continue
+        _plane_spans(seen, plan, limits, spans, r, a, box[YAW], x, y, slack)
+        if _hull(seen, spans, half, r):
+            add_option(work.options, r, a, 0.0)
+    return spans.low[0, r] < np.inf
+
+
+@kernel
+def _plane_spans(seen, plan, limits, spans, r, a, yaw, x, y, slack):
+    """For each plane of ``r``: for which turns, and which moves along its normal, it can fit in ``a``."""
+    begin = seen.first[r]
+    for i in range(begin, seen.first[r + 1]):
+        k = i - begin
+        spans.kind[k] = 0
+        spans.turn_low[k], spans.turn_high[k] = np.inf, -np.inf
+        for j in range(plan.first[a], plan.first[a + 1]):
+            bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
+            if abs(bend) > limits.angle + slack.turn + SLACK:
+                continue
+            nx, ny = plan.row[j, 0], plan.row[j, 1]
+            off = seen.distance[i] - (nx * x + ny * y + plan.row[j, 2])
+            nu, nv = nx * slack.ux + ny * slack.uy, ny * slack.ux - nx * slack.uy
+            shift = abs(nu) * slack.hu + abs(nv) * slack.hv
+            bent = abs(nx * slack.wx + ny * slack.wy) * slack.bend
+            lever = ny * slack.wx - nx * slack.wy
+            reach = limits.fit + SLACK + bent
+            if abs(off) > reach + shift + abs(lever) * slack.swing:
+                continue
+            low = max(-slack.turn, -limits.angle - SLACK - bend)
+            high = min(slack.turn, limits.angle + SLACK - bend)
+            if abs(lever) > 1e-9:
+                one = (off - reach - shift) / lever
+                two = (off + reach + shift) / lever
+                low = max(low, _arcsine(min(one, two), slack.swing) - 1e-12)
+                high = min(high, _arcsine(max(one, two), slack.swing) + 1e-12)
+            if low > high:
+                continue
+            spans.turn_low[k] = min(spans.turn_low[k], low)
+            spans.turn_high[k] = max(spans.turn_high[k], high)
+            width = reach + abs(lever) * slack.swing
+            if spans.kind[k] == 0:
+                spans.kind[k] = 1
+                spans.nu[k], spans.nv[k] = nu, nv
+                spans.off_low[k], spans.off_high[k] = off - width, off + width
+            elif spans.nu[k] == nu and spans.nv[k] == nv:
+                spans.off_low[k] = min(spans.off_low[k], off - width)
+                spans.off_high[k] = max(spans.off_high[k], off + width)
+            else:
+                spans.kind[k] = 2
+
+
+@kernel
+def _arcsine(value, most):
+    """The angle of a sine, cut to the box."""
+    return math.asin(min(max(value, -most), most))
+
+
+@kernel
+def _hull(seen, spans, half, r):
+    """Widen the room's spans by where the planes just measured let it be explained; False if nowhere."""
+    begin = seen.first[r]
+    if seen.flat[r]:
+        return _flat_hull(spans, half, r, seen.first[r + 1] - begin)
+    some = False
+    for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
+        i, k = seen.crossed[c, 0] - begin, seen.crossed[c, 1] - begin
+        if spans.kind[i] == 0 or spans.kind[k] == 0:
+            continue
+        low = max(spans.turn_low[i], spans.turn_low[k])
+        high = min(spans.turn_high[i], spans.turn_high[k])
+        if low > high:
+            continue
+        u0, u1, v0, v1 = -half[1], half[1], -half[2], half[2]
+        det = spans.nu[i] * spans.nv[k] - spans.nv[i] * spans.nu[k]
+        if spans.kind[i] == 1 and spans.kind[k] == 1 and abs(det) > 0.05:
+            mi, hi = (spans.off_low[i] + spans.off_high[i]) / 2, (spans.off_high[i] - spans.off_low[i]) / 2
+            mk, hk = (spans.off_low[k] + spans.off_high[k]) / 2, (spans.off_high[k] - spans.off_low[k]) / 2
+            u = (mi * spans.nv[k] - mk * spans.nv[i]) / det
+            du = (hi * abs(spans.nv[k]) + hk * abs(spans.nv[i])) / abs(det)
+            v = (mk * spans.nu[i] - mi * spans.nu[k]) / det
+            dv = (hk * abs(spans.nu[i]) + hi * abs(spans.nu[k])) / abs(det)
+            u0, u1 = max(u0, u - du), min(u1, u + du)
+            v0, v1 = max(v0, v - dv), min(v1, v + dv)
+            if u0 > u1 or v0 > v1:
+                continue
+        some = True
+        _widen(spans, r, low, high, u0, u1, v0, v1)
+    return some
+
+
+@kernel
+def _flat_hull(spans, half, r, n):
+    """The same for a room of parallel planes: all must fit, and they bound one direction only."""
+    low, high = -half[0], half[0]
+    u0, u1, v0, v1 = -half[1], half[1], -half[2], half[2]
+    for k in range(n):
+        if spans.kind[k] == 0:
+            return False
+        low, high = max(low, spans.turn_low[k]), min(high, spans.turn_high[k])
+        if spans.kind[k] == 2:
+            continue
+        middle = (spans.off_low[k] + spans.off_high[k]) / 2
+        width = (spans.off_high[k] - spans.off_low[k]) / 2
+        if abs(spans.nu[k]) >= abs(spans.nv[k]):
+            reach = (width + abs(spans.nv[k]) * half[2]) / abs(spans.nu[k])
+            u0, u1 = max(u0, middle / spans.nu[k] - reach), min(u1, middle / spans.nu[k] + reach)
+        else:
+            reach = (width + abs(spans.nu[k]) * half[1]) / abs(spans.nv[k])
+            v0, v1 = max(v0, middle / spans.nv[k] - reach), min(v1, middle / spans.nv[k] + reach)
+    if low > high or u0 > u1 or v0 > v1:
+        return False
+    _widen(spans, r, low, high, u0, u1, v0, v1)
+    return True
+
+
+@kernel
+def _widen(spans, r, low, high, u0, u1, v0, v1):
+    spans.low[0, r], spans.high[0, r] = min(spans.low[0, r], low), max(spans.high[0, r], high)
+    spans.low[1, r], spans.high[1, r] = min(spans.low[1, r], u0), max(spans.high[1, r], u1)
+    spans.low[2, r], spans.high[2, r] = min(spans.low[2, r], v0), max(spans.high[2, r], v1)
+
+
+@kernel
+def represented(seen, plan, limits, content, storeys, work, box, at):
+    """Whether all pairs of planes that can fit in the box fit at the placement ``at`` as well."""
+    c, s = math.cos(box[YAW]), math.sin(box[YAW])
+    ca, sa = math.cos(at[0]), math.sin(at[0])
+    for r in range(len(seen.storey)):
+        storey = storeys[seen.storey[r]]
+        if storey < 0:
+            continue
+        found = find(
+            seen, plan, limits, work.finder, r, storey, box[YAW], box[TURN],
+            box[AX], box[AY], box[PX], box[PY], radius(box), False,
+        )
+        if found < 0:
+            return False
+        cx, cy = seen.center[r, 0], seen.center[r, 1]
+        gx, gy = cx - box[AX], cy - box[AY]
+        wx, wy = c * gx - s * gy, s * gx + c * gy
+        x, y = box[PX] + wx, box[PY] + wy
+        slack = slack_of(box, wx, wy)
+        tx, ty = at[1] + ca * cx - sa * cy, at[2] + sa * cx + ca * cy
+        for k in range(found):
+            a = work.finder.room[k]
+            if not room_allowed(content, r, a):
+                continue
+            if not may_explain(seen, plan, limits, r, a, box[YAW], x, y, slack):
+                continue
+            for i in range(seen.first[r], seen.first[r + 1]):
+                for j in range(plan.first[a], plan.first[a + 1]):
+                    bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])
+                    if abs(bend) > limits.angle + box[TURN] + SLACK:
+                        continue
+                    nx, ny = plan.row[j, 0], plan.row[j, 1]
+                    off = abs(seen.distance[i] - (nx * x + ny * y + plan.row[j, 2]))
+                    if off > limits.fit + give(slack, nx, ny) + SLACK:
+                        continue
+                    there = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
+                    reach = abs(seen.distance[i] - (nx * tx + ny * ty + plan.row[j, 2]))
+                    if there > limits.angle + SLACK or reach > limits.fit + SLACK:
+                        return False
+    return True

@@ -1,0 +1,296 @@
+"""Section 2 of ``docs/matching.md``: whether a prior room explains an online room, and how.
+
+Both tests take a box of placements: the yaw within ``turn`` of ``yaw``, the room's centre near ``(x, y)``.
+``Slack`` says by how much a residual can change inside the box; with no slack the tests are strict.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from situgraph.matching.compiled import kernel
+from situgraph.matching.containment import plane_allowed
+from situgraph.matching.tables import FIT, MISSING, MOVED, Floats, Ints
+
+SLACK = 1e-9  # equality at a limit
+MOST_STEPS = 20_000  # of the search for the best assignment of one room's planes
+
+
+class Slack(NamedTuple):
+    """What may change inside a box of placements, as one room sees it."""
+
+    turn: float  # half width of the yaw
+    ux: float  # the box's first axis
+    uy: float
+    hu: float  # half widths along the first and second axis
+    hv: float
+    wx: float  # from the box's anchor to the room's centre
+    wy: float
+    bend: float  # 1 - cos(turn)
+    swing: float  # sin(turn)
+
+
+class Bench(NamedTuple):
+    """Room to work for ``explain``: the counterparts each plane can have, best first."""
+
+    row: Ints  # (n, m) prior row, -1 for none
+    value: Floats  # (n, m) log ratio
+    fits: Ints  # (n, m) state
+    count: Ints  # (n,)
+    best: Floats  # (n + 1,) largest sum from a plane on
+    pick: Ints  # (n,) the choice tried
+    kept: Ints  # (n,) the best choice's rows
+    state: Ints  # (n,) and their states
+
+
+@kernel
+def new_bench(planes, counterparts):
+    """A bench for online rooms of so many planes and prior rooms of so many."""
+    shape = (planes, counterparts + 1)
+    return Bench(
+        np.empty(shape, dtype=np.int64),
+        np.empty(shape),
+        np.empty(shape, dtype=np.int64),
+        np.empty(planes, dtype=np.int64),
+        np.empty(planes + 1),
+        np.empty(planes, dtype=np.int64),
+        np.empty(planes, dtype=np.int64),
+        np.empty(planes, dtype=np.int64),
+    )
+
+
+@kernel
+def no_slack():
+    """The slack of a single placement."""
+    return Slack(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@kernel
+def wrapped(angle):
+    """An angle in [-pi, pi]."""
+    return angle - 2 * math.pi * round(angle / (2 * math.pi))
+
+
+@kernel
+def give(slack, nx, ny):
+    """By how much the offset of a plane with this normal can change inside the box."""
+    along = abs(nx * slack.ux + ny * slack.uy) * slack.hu
+    across = abs(ny * slack.ux - nx * slack.uy) * slack.hv
+    bend = abs(nx * slack.wx + ny * slack.wy) * slack.bend
+    swing = abs(ny * slack.wx - nx * slack.wy) * slack.swing
+    return along + across + bend + swing
+
+
+@kernel
+def may_explain(seen, plan, limits, r, a, yaw, x, y, slack):
+    """A quick necessary test: counterparts and fitting planes are counted, not assigned."""
+    missing = 0
+    first_fit = 0.0
+    fits, crossed = 0, False
+    begin, end = seen.first[r], seen.first[r + 1]
+    allowed = 0 if seen.strict[r] else 1
+    for i in range(begin, end):
+        near, fit = False, False
+        for j in range(plan.first[a], plan.first[a + 1]):
+            bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
+            if abs(bend) > limits.angle + slack.turn + SLACK:
+                continue
+            nx, ny = plan.row[j, 0], plan.row[j, 1]
+            off = abs(seen.distance[i] - (nx * x + ny * y + plan.row[j, 2]))
+            off -= give(slack, nx, ny) + SLACK
+            if off <= limits.fit:
+                near, fit = True, True
+                break
+            if off <= limits.moved:
+                near = True
+        if fit:
+            if fits == 0:
+                first_fit = seen.angle[i]
+            elif abs(math.sin(seen.angle[i] - first_fit)) >= limits.sine:
+                crossed = True
+            fits += 1
+        if not near or (seen.strict[r] and not fit):
+            missing += 1
+            if missing > allowed:
+                return False
+    if seen.strict[r]:
+        return True
+    return crossed or (fits >= 2 and _any_crossed(seen, plan, limits, r, a, yaw, x, y, slack))
+
+
+@kernel
+def _any_crossed(seen, plan, limits, r, a, yaw, x, y, slack):
+    """Whether two planes that may fit are not parallel, the first one aside."""
+    for i in range(seen.first[r], seen.first[r + 1]):
+        if not _may_fit(seen, plan, limits, i, a, yaw, x, y, slack):
+            continue
+        for k in range(i + 1, seen.first[r + 1]):
+            if abs(math.sin(seen.angle[i] - seen.angle[k])) >= limits.sine and _may_fit(
+                seen, plan, limits, k, a, yaw, x, y, slack
+            ):
+                return True
+    return False
+
+
+@kernel
+def _may_fit(seen, plan, limits, i, a, yaw, x, y, slack):
+    for j in range(plan.first[a], plan.first[a + 1]):
+        bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
+        if abs(bend) > limits.angle + slack.turn + SLACK:
+            continue
+        nx, ny = plan.row[j, 0], plan.row[j, 1]
+        off = abs(seen.distance[i] - (nx * x + ny * y + plan.row[j, 2]))
+        if off - give(slack, nx, ny) <= limits.fit + SLACK:
+            return True
+    return False
+
+
+@kernel
+def explain(seen, plan, limits, content, r, a, yaw, x, y, slack, bench):
+    """The room score of the best assignment that explains ``r`` by ``a``; -inf when none does.
+
+    The assignment is left in ``bench.kept`` (prior rows, -1 for missing) and ``bench.state``.
+    """
+    begin = seen.first[r]
+    n = seen.first[r + 1] - begin
+    bare = 0
+    strict = seen.strict[r]
+    for i in range(n):
+        count = _counterparts(
+            seen, plan, limits, content, begin + i, i, a, yaw, x, y, slack, bench, strict
+        )
+        if count == 0:
+            bare += 1
+            if strict or bare > 1:
+                return -np.inf
+        if not strict:
+            _insert(bench, i, count, -1, limits.missing, MISSING)
+            count += 1
+        bench.count[i] = count
+    bench.best[n] = 0.0
+    for i in range(n - 1, -1, -1):
+        bench.best[i] = bench.best[i + 1] + bench.value[i, 0]
+    for i in range(n):
+        bench.pick[i] = 0
+    if _holds(seen, limits, begin, n, strict, bench):
+        _keep(bench, n)
+        return bench.best[0]
+    return _search(seen, limits, begin, n, strict, bench)
+
+
+@kernel
+def _counterparts(seen, plan, limits, content, plane, i, a, yaw, x, y, slack, bench, strict):
+    """List the prior planes that plane ``i`` can correspond to, the likeliest first."""
+    count = 0
+    for j in range(plan.first[a], plan.first[a + 1]):
+        bend = wrapped(seen.angle[plane] + yaw - plan.row[j, 3])
+        if abs(bend) > limits.angle + slack.turn + SLACK:
+            continue
+        nx, ny = plan.row[j, 0], plan.row[j, 1]
+        off = seen.distance[plane] - (nx * x + ny * y + plan.row[j, 2])
+        short = abs(off) - give(slack, nx, ny) - SLACK
+        if short > limits.moved or (strict and short > limits.fit):
+            continue
+        if not plane_allowed(content, plane, j):
+            continue
+        tilt = bend * bend * limits.angle_weight
+        if short <= limits.fit:
+            value = limits.fit_peak - off * off * limits.plane_weight - tilt
+            _insert(bench, i, count, j, value, FIT)
+        else:
+            _insert(bench, i, count, j, limits.moved_base - tilt, MOVED)
+        count += 1
+    return count
+
+
+@kernel
+def _insert(bench, i, count, row, value, state):
+    """Insert by descending value; equal values stay in order."""
+    k = count
+    while k > 0 and bench.value[i, k - 1] < value:
+        bench.row[i, k] = bench.row[i, k - 1]
+        bench.value[i, k] = bench.value[i, k - 1]
+        bench.fits[i, k] = bench.fits[i, k - 1]
+        k -= 1
+    bench.row[i, k] = row
+    bench.value[i, k] = value
+    bench.fits[i, k] = state
+
+
+@kernel
+def _holds(seen, limits, begin, n, strict, bench):
+    """Whether the picked counterparts are distinct and meet the conditions."""
+    missing = 0
+    for i in range(n):
+        row = bench.row[i, bench.pick[i]]
+        if row < 0:
+            missing += 1
+            if missing > 1:
+                return False
+            continue
+        for k in range(i):
+            if bench.row[k, bench.pick[k]] == row:
+                return False
+    if strict:
+        return True
+    for i in range(n):
+        if bench.fits[i, bench.pick[i]] != FIT:
+            continue
+        for k in range(i):
+            if bench.fits[k, bench.pick[k]] == FIT and (
+                abs(math.sin(seen.angle[begin + i] - seen.angle[begin + k])) >= limits.sine
+            ):
+                return True
+    return False
+
+
+@kernel
+def _keep(bench, n):
+    for i in range(n):
+        bench.kept[i] = bench.row[i, bench.pick[i]]
+        bench.state[i] = bench.fits[i, bench.pick[i]]
+
+
+@kernel
+def _search(seen, limits, begin, n, strict, bench):
+    """Depth first over the counterparts, cut by the best sum that the rest can add."""
+    best, depth, total, missing = -np.inf, 0, 0.0, 0
+    for i in range(n):
+        bench.pick[i] = -1
+    for _ in range(MOST_STEPS):
+        if bench.pick[depth] >= 0:  # take back the choice that was tried
+            k = bench.pick[depth]
+            total -= bench.value[depth, k]
+            missing -= bench.row[depth, k] < 0
+        bench.pick[depth] += 1
+        k = bench.pick[depth]
+        if k >= bench.count[depth] or total + bench.value[depth, k] + bench.best[depth + 1] <= best:
+            bench.pick[depth] = -1
+            depth -= 1
+            if depth < 0:
+                return best
+            continue
+        total += bench.value[depth, k]
+        missing += bench.row[depth, k] < 0
+        if missing > 1 or _taken(bench, depth):
+            continue
+        if depth + 1 < n:
+            depth += 1
+        elif _holds(seen, limits, begin, n, strict, bench):
+            best = total
+            _keep(bench, n)
+    return best
+
+
+@kernel
+def _taken(bench, depth):
+    row = bench.row[depth, bench.pick[depth]]
+    if row < 0:
+        return False
+    for k in range(depth):
+        if bench.row[k, bench.pick[k]] == row:
+            return True
+    return False

@@ -1,0 +1,134 @@
+"""Boxes of placements that bring planes of an online room onto planes of a prior room."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from situgraph.matching.boxes import AX, AY, HU, HV, PX, PY, SIDES, TURN, UX, UY, YAW, slack_of
+from situgraph.matching.compiled import kernel
+from situgraph.matching.explained import SLACK, explain, may_explain, no_slack, wrapped
+
+SHAPE_BOXES = 4000  # searched at most for one placement of one room in isolation
+
+
+@kernel
+def pair_box(seen, plan, limits, i, k, j, l, wx, wy, box):
+    """The box in which plane ``i`` fits ``j`` and ``k`` fits ``l``; False when there is none.
+
+    Plane ``k`` may belong to another room, whose centre lies at ``(wx, wy)`` from the anchor.
+    """
+    one = wrapped(plan.row[j, 3] - seen.angle[i])
+    two = one + wrapped(plan.row[l, 3] - seen.angle[k] - one)
+    turn = limits.angle + SLACK - abs(two - one) / 2
+    if turn < 0:
+        return False
+    box[YAW], box[TURN] = (one + two) / 2, turn
+    nx, ny, mx, my = plan.row[j, 0], plan.row[j, 1], plan.row[l, 0], plan.row[l, 1]
+    cross = nx * my - ny * mx
+    if abs(cross) < 0.02:
+        return False
+    c, s = math.cos(box[YAW]), math.sin(box[YAW])
+    gx, gy = c * wx - s * wy, s * wx + c * wy
+    fit = limits.fit + SLACK
+    other = fit + abs(mx * gx + my * gy) * (1 - math.cos(turn))
+    other += abs(my * gx - mx * gy) * math.sin(turn)
+    near = seen.distance[i] - plan.row[j, 2]
+    far = seen.distance[k] - plan.row[l, 2] - mx * gx - my * gy
+    box[PX], box[PY] = (near * my - far * ny) / cross, (far * nx - near * mx) / cross
+    box[UX], box[UY] = nx, ny
+    box[HU] = fit
+    box[HV] = (other + abs(nx * mx + ny * my) * fit) / abs(cross)
+    return True
+
+
+@kernel
+def room_boxes(seen, plan, limits, r, a, out):
+    """All boxes in which two planes of ``r`` that are not parallel fit ``a``, and it may be explained.
+
+    Into ``out`` (k, SIDES), anchored at the room's centre; returns how many there are. When ``out`` is
+    too small, the number is right all the same.
+    """
+    count = 0
+    box = np.empty(SIDES)
+    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
+    for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
+        i, k = seen.crossed[c, 0], seen.crossed[c, 1]
+        for j in range(plan.first[a], plan.first[a + 1]):
+            for l in range(plan.first[a], plan.first[a + 1]):
+                if l == j or not pair_box(seen, plan, limits, i, k, j, l, 0.0, 0.0, box):
+                    continue
+                slack = slack_of(box, 0.0, 0.0)
+                if not may_explain(
+                    seen, plan, limits, r, a, box[YAW], box[PX], box[PY], slack
+                ):
+                    continue
+                if count < len(out):
+                    out[count] = box
+                count += 1
+    return count
+
+
+@kernel
+def fits_somewhere(seen, plan, limits, content, r, a, bench, boxes):
+    """Whether ``a`` explains ``r`` in isolation, at any placement; ``boxes`` is room to work in."""
+    count = room_boxes(seen, plan, limits, r, a, boxes)
+    for b in range(min(count, len(boxes))):
+        if _explained_in(seen, plan, limits, content, r, a, bench, boxes[b]):
+            return True
+    return False
+
+
+@kernel
+def _explained_in(seen, plan, limits, content, r, a, bench, start):
+    stack = np.empty((64, SIDES))
+    stack[0] = start
+    depth = 1
+    for _ in range(SHAPE_BOXES):
+        if depth == 0:
+            return False
+        depth -= 1
+        box = stack[depth].copy()
+        x, y = box[PX], box[PY]
+        if explain(seen, plan, limits, content, r, a, box[YAW], x, y, no_slack(), bench) > -np.inf:
+            return True
+        slack = slack_of(box, 0.0, 0.0)
+        if explain(seen, plan, limits, content, r, a, box[YAW], x, y, slack, bench) == -np.inf:
+            continue
+        widths = (5 * box[TURN], box[HU], box[HV])
+        side = 0
+        if widths[1] > widths[side]:
+            side = 1
+        if widths[2] > widths[side]:
+            side = 2
+        if widths[side] < limits.smallest_step or depth > 61:
+            continue
+        split(box, side, stack[depth], stack[depth + 1])
+        depth += 2
+    return False
+
+
+@kernel
+def split(box, side, one, two):
+    """The two halves of a box, cut across an axis: 0 the yaw, 1 along, 2 across."""
+    one[:] = box
+    two[:] = box
+    if side == 0:
+        half = box[TURN] / 2
+        one[TURN] = two[TURN] = half
+        one[YAW] -= half
+        two[YAW] += half
+        return
+    if side == 1:
+        half = box[HU] / 2
+        one[HU] = two[HU] = half
+        x, y = box[UX] * half, box[UY] * half
+    else:
+        half = box[HV] / 2
+        one[HV] = two[HV] = half
+        x, y = -box[UY] * half, box[UX] * half
+    one[PX] -= x
+    one[PY] -= y
+    two[PX] += x
+    two[PY] += y

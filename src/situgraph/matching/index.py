@@ -1,0 +1,111 @@
+"""The plan, prepared once for any number of matches."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from situgraph.matching.config import MatchingConfig
+from situgraph.matching.containment import Stock, stock_of
+from situgraph.matching.corners import (
+    FAR_CELL,
+    FAR_REACH,
+    MOST_CORNERS,
+    NEAR_CELL,
+    NEAR_REACH,
+    corner_table,
+)
+from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
+from situgraph.matching.tables import Floats, Ints, Plan
+from situgraph.scenegraph.graph import SceneGraph
+
+BIN = math.radians(0.25)  # lines whose directions differ less are kept together
+
+
+class PlanIndex:
+    """A prior graph, indexed: build it once a building and match against it any number of times.
+
+    Memory and time to build grow linearly with the rooms. The index is never changed after it is
+    built, so threads may share it.
+
+    Attributes:
+        prior: the graph.
+        config: the settings it was built with; a match uses them unless told otherwise.
+        seconds: how long it took to build.
+    """
+
+    def __init__(self, prior: SceneGraph, config: MatchingConfig | None = None) -> None:
+        """Index ``prior``.
+
+        Raises:
+            InputError: a room names a plane that is not there.
+        """
+        begin = time.perf_counter()
+        self.prior = prior
+        self.config = config or MatchingConfig()
+        centers, planes, names, counts = raw_rooms(prior)
+        heights = storey_heights(prior)
+        kept, first, normal, distance, source = plan_lines(
+            centers, planes, names, counts, self.config.usable_tilt
+        )
+        self.kept: Ints = kept
+        self.source: Ints = source
+        # Numbers stay small, whatever far away origin the model has.
+        self.origin: Floats = centers[kept, :2].mean(axis=0) if len(kept) else np.zeros(2)
+        self.center: Floats = centers[kept, :2] - self.origin
+        self.elevations: Floats = np.unique(heights[kept])
+        self.area = _area(centers[:, :2], heights, self.config.plan_margin)
+        self.table = self._table(first, normal, distance, heights[kept])
+        self.stock: Stock = stock_of(prior, kept, source)
+        self.room_ids = [prior.rooms[k].id for k in kept]
+        self.seconds = time.perf_counter() - begin
+
+    @property
+    def rooms(self) -> int:
+        """How many prior rooms count: those with at least two usable planes."""
+        return len(self.kept)
+
+    def _table(self, first: Ints, normal: Floats, distance: Floats, heights: Floats) -> Plan:
+        room = np.repeat(np.arange(len(first) - 1), np.diff(first))
+        row = np.empty((len(distance), 4))
+        row[:, :2] = normal
+        row[:, 2] = distance - np.einsum("ij,ij->i", normal, self.center[room])
+        row[:, 3] = np.arctan2(normal[:, 1], normal[:, 0])
+        storey = np.searchsorted(self.elevations, heights)
+        near = corner_table(first, row, storey, NEAR_CELL, NEAR_REACH, self.config)
+        far = corner_table(first, row, storey, FAR_CELL, FAR_REACH, self.config)
+        large = np.flatnonzero(np.diff(first) ** 2 > 2 * MOST_CORNERS)
+        lines = _lines(row, room, storey[room], len(self.elevations))
+        return Plan(first, row, storey, *near, *far, large, *lines)
+
+
+def _area(centers: Floats, heights: Floats, margin: float) -> float:
+    """Where a robot may be: the bounding rectangles of the storeys' room centres, grown."""
+    total = 0.0
+    for height in np.unique(heights):
+        low, high = np.min(c := centers[heights == height], axis=0), np.max(c, axis=0)
+        total += float(np.prod(high - low + 2 * margin))
+    return total
+
+
+def _lines(row: Floats, room: Ints, storey: Ints, storeys: int) -> tuple[Floats | Ints, ...]:
+    """All planes as lines by storey, direction and offset."""
+    bins = np.floor((row[:, 3] + math.pi) / BIN).astype(np.int64)
+    order = np.lexsort((row[:, 2], bins, storey))
+    key = storey[order] * (10 + round(2 * math.pi / BIN)) + bins[order]
+    begins = np.flatnonzero(np.diff(key, prepend=-1)) if len(key) else np.zeros(0, dtype=np.int64)
+    line_first = np.append(begins, len(key)).astype(np.int64)
+    angle = row[order, 3]
+    low = np.minimum.reduceat(angle, begins) if len(begins) else np.zeros(0)
+    high = np.maximum.reduceat(angle, begins) if len(begins) else np.zeros(0)
+    bin_first = np.searchsorted(storey[order][begins], np.arange(storeys + 1))
+    return (
+        bin_first.astype(np.int64),
+        (low + high) / 2,
+        (high - low) / 2,
+        line_first,
+        row[order, 2].copy(),
+        room[order].copy(),
+    )

@@ -1,0 +1,127 @@
+"""Which prior rooms might explain an online room that a box of placements puts somewhere.
+
+A superset of the truth, by the corner hash (rooms with a corner) or by lines (rooms of parallel
+planes, which any room with the same lines explains, however far along them).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from situgraph.matching.compiled import kernel
+from situgraph.matching.corners import (
+    FAR_CELL,
+    FAR_REACH,
+    NEAR_CELL,
+    NEAR_REACH,
+    bucket,
+    sector_of,
+)
+from situgraph.matching.explained import wrapped
+from situgraph.matching.tables import Ints
+
+
+class Finder(NamedTuple):
+    """Room to work for ``find``: the rooms found, and when each was last."""
+
+    room: Ints  # (M,)
+    last: Ints  # (M,)
+    turn: Ints  # (1,) number of the present search
+
+
+@kernel
+def new_finder(rooms):
+    """A finder for a plan of so many rooms."""
+    return Finder(
+        np.empty(rooms, dtype=np.int64), np.zeros(rooms, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    )
+
+
+@kernel
+def find(seen, plan, limits, finder, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
+    """Find rooms on ``storey`` that might explain ``r``; returns how many stand in ``finder.room``.
+
+    The placements turn by ``yaw`` up to ``turn`` more or less, and take the point ``(ax, ay)`` of the
+    map to within ``spread`` of ``(px, py)``. Of a box too wide for the index all
+    rooms are returned, or -1 unless ``all_if_wide``.
+    """
+    finder.turn[0] += 1
+    c, s = math.cos(yaw), math.sin(yaw)
+    if seen.flat[r]:
+        ux, uy = seen.center[r, 0] - ax, seen.center[r, 1] - ay
+        slip = spread + 2 * math.sin(turn / 2) * math.sqrt(ux * ux + uy * uy)
+        x, y = px + c * ux - s * uy, py + s * ux + c * uy
+        if slip > FAR_REACH and not all_if_wide:
+            return -1
+        return _by_line(seen, plan, limits, finder, r, storey, yaw, turn, x, y, slip)
+    count = 0
+    for k in range(seen.probe_first[r], seen.probe_first[r + 1]):
+        ux, uy = seen.probe_arm[k, 0] - ax, seen.probe_arm[k, 1] - ay
+        x, y = px + c * ux - s * uy, py + s * ux + c * uy
+        reach = seen.probe_reach[k] + spread
+        reach += 2 * math.sin(turn / 2) * math.sqrt(ux * ux + uy * uy)
+        sector = sector_of(seen.angle[seen.probe[k, 0]] + yaw)
+        if reach <= NEAR_REACH:
+            h = bucket(storey, sector, math.floor(x / NEAR_CELL), math.floor(y / NEAR_CELL))
+            start, room, tag = plan.near_start, plan.near_room, plan.near_tag
+        elif reach <= FAR_REACH:
+            h = bucket(storey, sector, math.floor(x / FAR_CELL), math.floor(y / FAR_CELL))
+            start, room, tag = plan.far_start, plan.far_room, plan.far_tag
+        elif not all_if_wide:
+            return -1
+        else:
+            return _everywhere(plan, finder, storey)
+        b = h & (len(start) - 2)
+        name = (h >> 24) & 0xFFFF
+        for e in range(start[b], start[b + 1]):
+            a = room[e]
+            if tag[e] == name and finder.last[a] != finder.turn[0]:
+                finder.last[a] = finder.turn[0]
+                finder.room[count] = a
+                count += 1
+    for a in plan.large:
+        if plan.storey[a] == storey and finder.last[a] != finder.turn[0]:
+            finder.last[a] = finder.turn[0]
+            finder.room[count] = a
+            count += 1
+    return count
+
+
+@kernel
+def _everywhere(plan, finder, storey):
+    count = 0
+    for a in range(len(plan.storey)):
+        if plan.storey[a] == storey:
+            finder.room[count] = a
+            count += 1
+    return count
+
+
+@kernel
+def _by_line(seen, plan, limits, finder, r, storey, yaw, turn, x, y, slip):
+    """Rooms that have the line of the room's first plane."""
+    i = seen.first[r]
+    far = math.sqrt(x * x + y * y) + slip
+    count = 0
+    for b in range(plan.bin_first[storey], plan.bin_first[storey + 1]):
+        spread = plan.bin_spread[b]
+        bend = wrapped(seen.angle[i] + yaw - plan.bin_angle[b])
+        if abs(bend) > limits.angle + turn + spread + 1e-9:
+            continue
+        nx, ny = math.cos(plan.bin_angle[b]), math.sin(plan.bin_angle[b])
+        want = seen.distance[i] - nx * x - ny * y
+        width = limits.fit + slip + spread * far + 1e-6
+        k = plan.line_first[b] + np.searchsorted(
+            plan.line_offset[plan.line_first[b] : plan.line_first[b + 1]], want - width
+        )
+        while k < plan.line_first[b + 1] and plan.line_offset[k] <= want + width:
+            a = plan.line_room[k]
+            if finder.last[a] != finder.turn[0]:
+                finder.last[a] = finder.turn[0]
+                finder.room[count] = a
+                count += 1
+            k += 1
+    return count

@@ -1,0 +1,155 @@
+"""The peak of a feasible placement: least squares with the correspondences held, until they stay."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from situgraph.matching.compiled import kernel
+from situgraph.matching.explained import wrapped
+from situgraph.matching.tables import FIT, MOVED
+from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
+
+ROUNDS = 30
+STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
+SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
+
+
+@kernel
+def optimum(seen, plan, limits, view, work, at, out):
+    """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``view``."""
+    tally_planes(seen, view, work)
+    yaw, x, y = at[0], at[1], at[2]
+    for _ in range(STEPS):
+        c, s = math.cos(yaw), math.sin(yaw)
+        h = np.zeros((3, 3))
+        g = np.zeros(3)
+        for r in range(len(view.room)):
+            if view.room[r] < 0:
+                continue
+            cx, cy = seen.center[r, 0], seen.center[r, 1]
+            ax, ay = c * cx - s * cy, s * cx + c * cy
+            for i in range(seen.first[r], seen.first[r + 1]):
+                fit = view.state[i] == FIT
+                p = seen.plane[i]
+                if not fit and (view.state[i] != MOVED or work.tally[p, 0] > 0):
+                    continue
+                j = view.row[i]
+                count = work.tally[p, 0] if fit else work.tally[p, 3]
+                bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
+                weight = limits.angle_weight / count
+                h[0, 0] += weight
+                g[0] += weight * bend
+                if not fit:
+                    continue
+                nx, ny = plan.row[j, 0], plan.row[j, 1]
+                off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
+                weight = limits.plane_weight / count
+                turn = ny * ax - nx * ay
+                h[0, 0] += weight * turn * turn
+                h[0, 1] += weight * turn * nx
+                h[0, 2] += weight * turn * ny
+                h[1, 1] += weight * nx * nx
+                h[1, 2] += weight * nx * ny
+                h[2, 2] += weight * ny * ny
+                g[0] -= weight * turn * off
+                g[1] -= weight * nx * off
+                g[2] -= weight * ny * off
+        if not _solve(h, g):
+            break
+        yaw -= g[0]
+        x -= g[1]
+        y -= g[2]
+        if abs(g[0]) + abs(g[1]) + abs(g[2]) < 1e-12:
+            break
+    out[0] = wrapped(yaw)
+    out[1] = x
+    out[2] = y
+
+
+@kernel
+def _solve(h, g):
+    """Solve the symmetric system (upper half given) in place of ``g``; False when singular."""
+    a, b, c, d, e, f = h[0, 0], h[0, 1], h[0, 2], h[1, 1], h[1, 2], h[2, 2]
+    m0, m1, m2 = d * f - e * e, c * e - b * f, b * e - c * d
+    det = a * m0 + b * m1 + c * m2
+    if not det > 1e-12 * abs(a * d * f):
+        return False
+    g0, g1, g2 = g[0], g[1], g[2]
+    g[0] = (m0 * g0 + m1 * g1 + m2 * g2) / det
+    g[1] = (m1 * g0 + (a * f - c * c) * g1 + (b * c - a * e) * g2) / det
+    g[2] = (m2 * g0 + (b * c - a * e) * g1 + (a * d - b * b) * g2) / det
+    return True
+
+
+@kernel
+def feasible(seen, plan, limits, content, storeys, least, work, view, at):
+    """Fill ``view`` at a placement (yaw, x, y); whether it is feasible."""
+    count = look(seen, plan, limits, content, storeys, work, view, at[0], at[1], at[2], 0.0, 0.0)
+    return count >= least and fixes(seen, limits, view)
+
+
+@kernel
+def climb(seen, plan, limits, content, storeys, least, work, at):
+    """Climb from a feasible placement, whose view is ``work.one``, to its peak.
+
+    ``at`` (3,) becomes the peak, ``work.one`` its view; returns L there.
+    """
+    height = evidence(seen, limits, work.one, work)
+    goal, tried = np.empty(3), np.empty(3)
+    for _ in range(ROUNDS):
+        optimum(seen, plan, limits, work.one, work, at, goal)
+        tried[:] = goal
+        if not feasible(seen, plan, limits, content, storeys, least, work, work.two, tried):
+            if not _last_feasible(
+                seen, plan, limits, content, storeys, least, work, at, goal, tried
+            ):
+                break
+        value = evidence(seen, limits, work.two, work)
+        if value <= height + 1e-12:
+            break
+        height = value
+        stays = _same(work.one, work.two)
+        at[:] = tried
+        copy_view(work.two, work.one)
+        if stays:
+            break
+    return height
+
+
+@kernel
+def _last_feasible(seen, plan, limits, content, storeys, least, work, at, goal, tried):
+    """Into ``tried`` the last feasible placement found by bisection on the way to ``goal``."""
+    low, high, last = 0.0, 1.0, 0.0
+    turn = wrapped(goal[0] - at[0])
+    while high - low > SMALLEST_STEP:
+        share = (low + high) / 2
+        _part_way(at, goal, turn, share, tried)
+        if feasible(seen, plan, limits, content, storeys, least, work, work.two, tried):
+            low = last = share
+        else:
+            high = share
+    if last == 0.0:
+        return False
+    _part_way(at, goal, turn, last, tried)
+    return feasible(seen, plan, limits, content, storeys, least, work, work.two, tried)
+
+
+@kernel
+def _part_way(at, goal, turn, share, out):
+    out[0] = at[0] + share * turn
+    out[1] = at[1] + share * (goal[1] - at[1])
+    out[2] = at[2] + share * (goal[2] - at[2])
+
+
+@kernel
+def _same(one, two):
+    """Whether two views hold the same correspondences in the same states."""
+    for r in range(len(one.room)):
+        if one.room[r] != two.room[r]:
+            return False
+    for i in range(len(one.row)):
+        if one.row[i] != two.row[i] or one.state[i] != two.state[i]:
+            return False
+    return True

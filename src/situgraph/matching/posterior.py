@@ -1,0 +1,79 @@
+"""Candidates from peaks, their weights against 'not in this plan', and the verdict: section 5."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from situgraph.matching.compiled import kernel
+from situgraph.matching.config import MatchingConfig
+from situgraph.matching.explained import wrapped
+from situgraph.matching.tables import Floats, Ints
+
+Verdict = Literal["unique", "ambiguous", "none"]
+
+
+class Posterior(NamedTuple):
+    """Candidates best first: (k, 5) height, yaw, x, y, L; and what they are worth."""
+
+    candidate: Floats
+    shift: Ints
+    probability: Floats
+    solutions: int
+    outside: float
+    verdict: Verdict
+
+
+@kernel
+def distinct(peaks, distance, yaw, height):
+    """Rows of peaks (height, yaw, x, y, L), sorted best first, that no better kept one is the same as."""
+    kept = np.empty(len(peaks), dtype=np.int64)
+    count = 0
+    for k in range(len(peaks)):
+        alone = True
+        for m in kept[:count]:
+            if (
+                (peaks[k, 2] - peaks[m, 2]) ** 2 + (peaks[k, 3] - peaks[m, 3]) ** 2
+                <= distance * distance
+                and abs(peaks[k, 0] - peaks[m, 0]) <= height
+                and abs(wrapped(peaks[k, 1] - peaks[m, 1])) <= yaw
+            ):
+                alone = False
+                break
+        if alone:
+            kept[count] = k
+            count += 1
+    return kept[:count]
+
+
+def log_outside(alike: Ints, shape: Floats, prior_rooms: int, config: MatchingConfig) -> float:
+    """Ln W of 'not in this plan': another building is made of similar rooms."""
+    gain = (config.clutter_length / (2 * config.plane_offset_tolerance)) ** shape
+    share = np.where(shape > 0, alike, 0) / max(prior_rooms, 1)
+    return math.log(config.outside_prior) + float(np.log1p(share * gain).sum())
+
+
+def judge(
+    peaks: Floats, shift: Ints, outside: float, area: float, config: MatchingConfig
+) -> Posterior:
+    """Weigh the peaks (height, yaw, x, y, L) against each other and against 'not in this plan'."""
+    order = np.lexsort((peaks[:, 3], peaks[:, 2], peaks[:, 1], peaks[:, 0], -peaks[:, 4].round(9)))
+    order = order[
+        distinct(peaks[order], config.same_distance, config.same_yaw, config.same_height)
+    ]
+    candidate = peaks[order]
+    spread = 2 * math.pi * config.plane_sigma**2 / (4 * area)
+    weight = candidate[:, 4] + math.log(1 - config.outside_prior) + math.log(spread)
+    top = max(outside, float(weight[0])) if len(weight) else outside
+    share = np.exp(weight - top)
+    away = math.exp(outside - top)
+    total = float(share.sum()) + away
+    probability = share / total
+    if not len(weight) or away > float(share.sum()):
+        return Posterior(candidate, shift[order], probability, 0, away / total, "none")
+    solutions = int((share >= config.rival_ratio * share[0]).sum())
+    unique = solutions == 1 and probability[0] >= config.unique_probability
+    verdict: Verdict = "unique" if unique else "ambiguous"
+    return Posterior(candidate, shift[order], probability, solutions, away / total, verdict)

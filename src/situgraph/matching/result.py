@@ -1,0 +1,130 @@
+"""What a match answers; everything that is not the verdict is worked out when it is asked for."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any
+
+from situgraph.matching.posterior import Posterior, Verdict
+from situgraph.matching.solution import Inputs, Solution
+from situgraph.matching.tables import Ints
+
+
+class MatchResult:
+    """The answer of ``match``.
+
+    Attributes:
+        verdict: ``unique``, ``ambiguous`` or ``none``.
+        certified: the verdict is unique, the search was complete, and the policy has an error model.
+        probability_outside: the probability that the robot is not in this plan.
+    """
+
+    def __init__(
+        self,
+        inputs: Inputs,
+        posterior: Posterior,
+        alike: Ints,
+        done: Ints,
+        seconds: tuple[float, float],
+    ) -> None:
+        """Keep what the search found; ``done`` are peaks, hypotheses, boxes, incomplete."""
+        self._inputs = inputs
+        self._posterior = posterior
+        self._alike = alike
+        self._done = done
+        self._seconds = seconds
+        self.verdict: Verdict = posterior.verdict
+        self.probability_outside = posterior.outside
+        self.complete = not done[3]
+        if self.verdict == "unique" and not self.complete:
+            self.verdict = "ambiguous"
+
+    @property
+    def unique(self) -> bool:
+        """Whether the verdict is unique."""
+        return self.verdict == "unique"
+
+    @property
+    def certified(self) -> bool:
+        """Whether the verdict is unique and proven under the printed model."""
+        return self.unique and self.complete and self._inputs.semantics != "containment"
+
+    @property
+    def count(self) -> int:
+        """How many solutions there are."""
+        return self._posterior.solutions
+
+    @property
+    def truncated(self) -> bool:
+        """Whether ``solutions`` holds fewer than there are."""
+        return self.count > self._inputs.config.max_solutions
+
+    @cached_property
+    def solutions(self) -> tuple[Solution, ...]:
+        """The solutions, best first, ``max_solutions`` at most."""
+        listed = min(self.count, self._inputs.config.max_solutions)
+        return tuple(Solution(self._inputs, self._posterior, k) for k in range(listed))
+
+    @property
+    def best(self) -> Solution | None:
+        """The most probable solution; None when the verdict is none."""
+        return self.solutions[0] if self.solutions else None
+
+    @cached_property
+    def reason(self) -> str:
+        """The verdict in a sentence, with figures."""
+        from situgraph.matching.reasons import reason
+
+        return reason(self)
+
+    @property
+    def model(self) -> str:
+        """What the search assumes."""
+        config, n = self._inputs.config, len(self._inputs.kept)
+        return (
+            f"at least {config.least_rooms(n)} of {n} rooms, {config.plane_offset_tolerance:g} m, "
+            f"{math.degrees(config.angle_tolerance):g} deg, "
+            f"walls moved up to {config.moved_limit:g} m"
+        )
+
+    @property
+    def disambiguation(self) -> list[dict[str, Any]]:
+        """Observations that would split the solutions, the most telling first."""
+        return []
+
+    @cached_property
+    def stats(self) -> dict[str, Any]:
+        """Counts and times of the search, as in the match JSON."""
+        inputs = self._inputs
+        search, total = self._seconds
+        return {
+            "rooms_online": len(inputs.kept),
+            "rooms_prior": inputs.index.rooms,
+            "semantics": inputs.semantics,
+            "room_candidates": {},
+            "plane_candidates": {},
+            "hypotheses": int(self._done[1]),
+            "boxes": int(self._done[2]),
+            "candidates": len(self._posterior.candidate),
+            "seconds": {"index": inputs.index.seconds, "search": search, "total": total},
+            "complete": self.complete,
+            "model": self.model,
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """The match JSON (``situgraph/match``, version 1)."""
+        return {
+            "format": "situgraph/match",
+            "version": 1,
+            "unique": self.unique,
+            "certified": self.certified,
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "probability_outside": self.probability_outside,
+            "count": self.count,
+            "truncated": self.truncated,
+            "solutions": [s.to_dict() for s in self.solutions],
+            "disambiguation": self.disambiguation,
+            "stats": self.stats,
+        }

@@ -1,0 +1,323 @@
+"""The search for all candidates: section 7 of ``docs/matching.md``."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from situgraph.matching.boxes import (
+    AX, AY, HU, HV, PX, PY, SIDES, TURN, UX, UY, YAW, Spans, new_spans, possible, radius, represented, shrink,
+)
+from situgraph.matching.compiled import kernel
+from situgraph.matching.explained import give, may_explain, wrapped
+from situgraph.matching.boxes import slack_of
+from situgraph.matching.containment import room_allowed
+from situgraph.matching.groups import form_groups
+from situgraph.matching.hypotheses import fits_somewhere, pair_box, room_boxes, split
+from situgraph.matching.peaks import climb, feasible, optimum
+from situgraph.matching.tables import Floats, Ints
+from situgraph.matching.views import Work, fixes, look, new_work
+
+ROUNDS = 8  # of shrinking one box
+GAIN = 0.8  # a round that leaves more of the box is the last
+GUESSES = 3  # least squares from relaxed correspondences
+NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
+
+
+class Found(NamedTuple):
+    """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
+
+    peak: Floats
+    count: Ints  # (4,) peaks, hypotheses, boxes, incomplete
+
+
+@kernel
+def add_peak(found, at, height):
+    """Note a peak; returns the record, grown if need be."""
+    peaks, count = found.peak, found.count
+    for k in range(count[0]):
+        if (
+            abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < 1e-4
+            and abs(wrapped(peaks[k, 0] - at[0])) < 1e-4
+        ):
+            return found
+    if count[0] == len(peaks):
+        grown = np.empty((2 * len(peaks), 4))
+        grown[: len(peaks)] = peaks
+        peaks = grown
+    peaks[count[0], :3] = at
+    peaks[count[0], 3] = height
+    count[0] += 1
+    return Found(peaks, count)
+
+
+@kernel
+def search(seen, plan, limits, content, storeys, least, alike, found, work, spans):
+    """Find the peaks of all feasible placements for one shift of the storeys."""
+    rooms = len(seen.storey)
+    groups = form_groups(seen, alike, rooms - least + 1)
+    made = len(groups.first) - 1
+    boxes = np.empty((256, SIDES))
+    for g in range(made):
+        members = groups.member[groups.first[g] : groups.first[g + 1]]
+        r = members[0]
+        storey = storeys[seen.storey[r]]
+        spans.required[:] = False
+        for m in members:
+            spans.required[m] = True
+        if storey < 0:
+            continue
+        for a in range(len(plan.storey)):
+            if plan.storey[a] != storey or not room_allowed(content, r, a):
+                continue
+            count = room_boxes(seen, plan, limits, r, a, boxes)
+            if count > len(boxes):
+                boxes = np.empty((2 * count, SIDES))
+                room_boxes(seen, plan, limits, r, a, boxes)
+            for b in range(count):
+                found.count[1] += 1
+                if _partners(seen, plan, limits, content, storeys, work, boxes[b], members):
+                    found = explore(
+                        seen, plan, limits, content, storeys, least, work, spans, found, boxes[b]
+                    )
+    if made < rooms - least + 1:
+        found = _corridors(seen, plan, limits, content, storeys, least, work, spans, found, made)
+    return found
+
+
+@kernel
+def _partners(seen, plan, limits, content, storeys, work, box, members):
+    """Whether the other rooms of the group may be explained somewhere in the box."""
+    for k in range(1, len(members)):
+        if not possible(seen, plan, limits, content, storeys, work.finder, box, members[k]):
+            return False
+    return True
+
+
+@kernel
+def _corridors(seen, plan, limits, content, storeys, least, work, spans, found, anchors):
+    """Placements that explain no room but such of parallel planes: two of them in two directions.
+
+    All anchors are unexplained then, so of this many corridors one at least is explained.
+    """
+    rooms = len(seen.storey)
+    needed = rooms - least - anchors + 1
+    box = np.empty(SIDES)
+    for r in range(rooms):
+        if not seen.flat[r] or needed <= 0:
+            continue
+        needed -= 1
+        for q in range(rooms):
+            turn = abs(math.sin(seen.angle[seen.first[r]] - seen.angle[seen.first[q]]))
+            # Of two directions that differ by the least sine, one differs half as much from any third.
+            if not seen.flat[q] or turn < 0.45 * limits.sine:
+                continue
+            spans.required[:] = False
+            spans.required[r] = True
+            spans.required[q] = True
+            found = _crossing(
+                seen, plan, limits, content, storeys, least, work, spans, found, r, q, box
+            )
+    return found
+
+
+@kernel
+def _crossing(seen, plan, limits, content, storeys, least, work, spans, found, r, q, box):
+    """All placements that explain the corridors ``r`` and ``q``."""
+    one, two = storeys[seen.storey[r]], storeys[seen.storey[q]]
+    i, k = seen.first[r], seen.first[q]
+    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
+    wx, wy = seen.center[q, 0] - box[AX], seen.center[q, 1] - box[AY]
+    for a in range(len(plan.storey)):
+        if plan.storey[a] != one or not room_allowed(content, r, a):
+            continue
+        for b in range(len(plan.storey)):
+            if plan.storey[b] != two or not room_allowed(content, q, b):
+                continue
+            for j in range(plan.first[a], plan.first[a + 1]):
+                for l in range(plan.first[b], plan.first[b + 1]):
+                    if not pair_box(seen, plan, limits, i, k, j, l, wx, wy, box):
+                        continue
+                    found.count[1] += 1
+                    slack = slack_of(box, 0.0, 0.0)
+                    if may_explain(seen, plan, limits, r, a, box[YAW], box[PX], box[PY], slack):
+                        found = explore(
+                            seen, plan, limits, content, storeys, least, work, spans, found, box
+                        )
+    return found
+
+
+@kernel
+def explore(seen, plan, limits, content, storeys, least, work, spans, found, start):
+    """Branch and bound: until all of the box is known to be infeasible, or represented by a peak."""
+    arm = 1.0
+    for r in range(len(seen.storey)):
+        arm = max(arm, math.hypot(seen.center[r, 0], seen.center[r, 1]))
+    stack = np.empty((16, SIDES))
+    stack[0] = start
+    depth = 1
+    at = np.empty(3)
+    while depth > 0:
+        depth -= 1
+        box = stack[depth].copy()
+        found.count[2] += 1
+        if found.count[2] > limits.max_boxes:
+            found.count[3] = 1
+            break
+        if not _squeeze(seen, plan, limits, content, storeys, least, work, spans, box, arm):
+            continue
+        if box[AX] != 0.0 or box[AY] != 0.0:
+            _move_anchor(box)
+            if not _squeeze(seen, plan, limits, content, storeys, least, work, spans, box, arm):
+                continue
+        if _known(seen, plan, limits, content, storeys, work, box, found):
+            continue
+        before = found.count[0]
+        state = _witness(seen, plan, limits, content, storeys, least, work, box, arm, at)
+        if state < 0:
+            continue
+        if state > 0:
+            height = climb(seen, plan, limits, content, storeys, least, work, at)
+            found = add_peak(found, at, height)
+            if found.count[0] > before and _known(
+                seen, plan, limits, content, storeys, work, box, found
+            ):
+                continue
+        side, widest = 0, box[TURN] * arm
+        if box[HU] > widest:
+            side, widest = 1, box[HU]
+        if box[HV] > widest:
+            side, widest = 2, box[HV]
+        if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
+            continue
+        if depth + 2 > len(stack):
+            grown = np.empty((2 * len(stack), SIDES))
+            grown[: len(stack)] = stack
+            stack = grown
+        split(box, side, stack[depth], stack[depth + 1])
+        depth += 2
+    return found
+
+
+@kernel
+def _move_anchor(box):
+    """Anchor the box at the mean room centre instead: it holds what it held, and more."""
+    at = np.empty(3)
+    _centre(box, at)
+    wx, wy = at[1] - box[PX], at[2] - box[PY]
+    slack = slack_of(box, wx, wy)
+    box[HU], box[HV] = give(slack, box[UX], box[UY]), give(slack, -box[UY], box[UX])
+    box[PX], box[PY] = at[1], at[2]
+    box[AX] = box[AY] = 0.0
+
+
+@kernel
+def _squeeze(seen, plan, limits, content, storeys, least, work, spans, box, arm):
+    """Shrink a box while it pays; False when nothing is left."""
+    for _ in range(ROUNDS):
+        before = box[TURN] * arm + box[HU] + box[HV]
+        if not shrink(seen, plan, limits, content, storeys, least, work, spans, box):
+            return False
+        if box[TURN] * arm + box[HU] + box[HV] > GAIN * before:
+            break
+    return True
+
+
+@kernel
+def _centre(box, out):
+    """The placement (yaw, x, y of the mean room centre) in the middle of a box."""
+    c, s = math.cos(box[YAW]), math.sin(box[YAW])
+    out[0] = wrapped(box[YAW])
+    out[1] = box[PX] - c * box[AX] + s * box[AY]
+    out[2] = box[PY] - s * box[AX] - c * box[AY]
+
+
+@kernel
+def _known(seen, plan, limits, content, storeys, work, box, found):
+    """Whether a peak represents all feasible placements of the box."""
+    middle = np.empty(3)
+    _centre(box, middle)
+    sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
+    for k in range(found.count[0]):
+        at = found.peak[k]
+        apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
+        turned = abs(wrapped(at[0] - middle[0]))
+        if apart + sway <= limits.same_distance and turned + box[TURN] <= limits.same_yaw:
+            return True
+        if apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]:
+            if represented(seen, plan, limits, content, storeys, work, box, at):
+                return True
+    return False
+
+
+@kernel
+def _witness(seen, plan, limits, content, storeys, least, work, box, arm, at):
+    """Look for a feasible placement in or near the box: 1 found (``at``), 0 not found, -1 none can be.
+
+    The last is known from the correspondences with all residuals widened by what the box allows.
+    """
+    _centre(box, at)
+    if feasible(seen, plan, limits, content, storeys, least, work, work.one, at):
+        return 1
+    loose = radius(box) + 2 * math.sin(box[TURN] / 2) * arm
+    turn = box[TURN]
+    for k in range(GUESSES):
+        count = look(
+            seen, plan, limits, content, storeys, work, work.one, at[0], at[1], at[2], turn, loose
+        )
+        if k == 0 and (count < least or not fixes(seen, limits, work.one)):
+            return -1
+        if count == 0:
+            return 0
+        optimum(seen, plan, limits, work.one, work, at, at)
+        if feasible(seen, plan, limits, content, storeys, least, work, work.one, at):
+            return 1
+        loose /= 2
+    return 0
+
+
+@kernel
+def shapes_alike(seen, plan, limits, content, work):
+    """For each online room, how many prior rooms explain it in isolation."""
+    rooms = len(seen.storey)
+    alike = np.zeros(rooms, dtype=np.int64)
+    boxes = np.empty((256, SIDES))
+    for r in range(rooms):
+        if seen.first[r + 1] - seen.first[r] < 3:
+            continue
+        for a in range(len(plan.storey)):
+            if room_allowed(content, r, a) and fits_somewhere(
+                seen, plan, limits, content, r, a, work.bench, boxes
+            ):
+                alike[r] += 1
+    return alike
+
+
+@kernel
+def find_peaks(seen, plan, limits, content, shifts, least):
+    """All peaks for all shifts of the storeys: (shift, yaw, x, y, L), shapes alike, what was done."""
+    work = new_work(seen, plan)
+    spans = new_spans(len(seen.storey), work.bench.count.shape[0])
+    alike = shapes_alike(seen, plan, limits, content, work)
+    done = np.zeros(4, dtype=np.int64)
+    out = np.empty((0, 5))
+    for z in range(len(shifts)):
+        count = np.zeros(4, dtype=np.int64)
+        count[2] = done[2]
+        found = Found(np.empty((16, 4)), count)
+        found = search(
+            seen, plan, limits, content, shifts[z], least, alike, found, work, spans
+        )
+        more = np.empty((len(out) + count[0], 5))
+        more[: len(out)] = out
+        for k in range(count[0]):
+            more[len(out) + k, 0] = z
+            more[len(out) + k, 1:] = found.peak[k]
+        out = more
+        done[0] += count[0]
+        done[1] += count[1]
+        done[2] = count[2]
+        done[3] = max(done[3], count[3])
+    return out, alike, done

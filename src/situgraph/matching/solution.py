@@ -1,0 +1,216 @@
+"""One solution: where the map lies in the building, and what corresponds to what."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+
+from situgraph.geometry.poses import Placement
+from situgraph.matching.config import MatchingConfig
+from situgraph.matching.containment import Content
+from situgraph.matching.index import PlanIndex
+from situgraph.matching.posterior import Posterior
+from situgraph.matching.tables import FIT, MOVED, Floats, Ints, Limits, Seen
+from situgraph.matching.views import View, look, new_work
+from situgraph.scenegraph.graph import SceneGraph
+
+LEAST_DEVIATION = 0.1  # metres; smaller ones are not worth telling (DESIGN section 3)
+
+
+class Inputs(NamedTuple):
+    """What was matched."""
+
+    online: SceneGraph
+    index: PlanIndex
+    config: MatchingConfig
+    semantics: str
+    kept: Ints  # the online rooms that count
+    source: Ints  # the online plane of each row
+    seen: Seen
+    middle: Floats  # the mean of the room centres, map frame
+    content: Content
+    mapping: Ints  # prior storey of each online storey, by shift
+    limits: Limits
+
+
+class Deviation(msgspec.Struct, frozen=True):
+    """How a wall was built against its plan.
+
+    Attributes:
+        plane: the online plane.
+        offset: how far it lies along the planned inward normal, metres.
+        tilt: how far it is turned in the plan, radians.
+        sigma: standard deviation of ``offset``, metres.
+    """
+
+    plane: str
+    offset: float
+    tilt: float
+    sigma: float
+
+
+class Solution:
+    """A candidate that the evidence cannot rule out.
+
+    Attributes:
+        transform: map to building.
+        probability: against all other candidates and 'not in this plan'.
+    """
+
+    def __init__(self, inputs: Inputs, posterior: Posterior, rank: int) -> None:
+        """The candidate of this rank."""
+        self._inputs = inputs
+        self._rank = rank
+        z, yaw, x, y, height = posterior.candidate[rank].tolist()
+        self._at = (yaw, x, y)
+        self._shift = int(posterior.shift[rank])
+        self.log_likelihood = height
+        self.probability = float(posterior.probability[rank])
+        c, s = math.cos(yaw), math.sin(yaw)
+        mx, my = inputs.middle.tolist()
+        ox, oy = inputs.index.origin.tolist()
+        self.transform = Placement(x + ox - c * mx + s * my, y + oy - s * mx - c * my, z, yaw)
+
+    @cached_property
+    def view(self) -> View:
+        """The correspondences as tables."""
+        i = self._inputs
+        work = new_work(i.seen, i.index.table)
+        look(
+            i.seen, i.index.table, i.limits, i.content, i.mapping[self._shift], work, work.one,
+            *self._at, 0.0, 0.0,
+        )  # fmt: skip
+        return work.one
+
+    @cached_property
+    def rooms(self) -> dict[str, str]:
+        """Explained online rooms and the prior rooms they are."""
+        i, view = self._inputs, self.view
+        return {
+            i.online.rooms[k].id: i.index.room_ids[a]
+            for k, a in zip(i.kept.tolist(), view.room.tolist())
+            if a >= 0
+        }
+
+    @cached_property
+    def storeys(self) -> dict[str, str]:
+        """Online storeys and the prior storeys they are, by the rooms explained."""
+        i = self._inputs
+        found: dict[str, str] = {}
+        for one, two in self.rooms.items():
+            u, v = i.online.room_by_id[one].storey, i.index.prior.room_by_id[two].storey
+            if u and v and u not in found and v not in found.values():
+                found[u] = v
+        return found
+
+    @cached_property
+    def _best_rows(self) -> dict[int, int]:
+        """For each online plane with a counterpart its best row: fitting before moved, then nearest."""
+        view, source = self.view, self._inputs.source
+        order = sorted(
+            np.flatnonzero((view.state == FIT) | (view.state == MOVED)).tolist(),
+            key=lambda k: (view.state[k], abs(view.offset[k]), k),
+        )
+        rows: dict[int, int] = {}
+        taken: set[int] = set()
+        for k in order:
+            prior = int(self._inputs.index.source[view.row[k]])
+            if int(source[k]) not in rows and prior not in taken:
+                rows[int(source[k])] = k
+                taken.add(prior)
+        return rows
+
+    @cached_property
+    def planes(self) -> dict[str, str]:
+        """Online planes and the prior planes they are, moved ones too; one to one."""
+        i = self._inputs
+        prior = i.index.prior.planes
+        return {
+            i.online.planes[p].id: prior[int(i.index.source[self.view.row[k]])].id
+            for p, k in sorted(self._best_rows.items())
+        }
+
+    @cached_property
+    def objects(self) -> dict[str, str]:
+        """Online objects and the prior objects they are."""
+        return {}
+
+    @cached_property
+    def also_covers(self) -> dict[str, list[str]]:
+        """Further prior rooms whose centres lie within an explained online room."""
+        return {}
+
+    @cached_property
+    def _fits(self) -> Floats:
+        return self.view.offset[self.view.state == FIT]
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the offsets of the planes that fit, metres."""
+        return float(np.sqrt(np.mean(self._fits**2)))
+
+    @property
+    def score(self) -> float:
+        """How well the online planes agree, 0 to 1: the mean over all rows of the online rooms.
+
+        A plane that fits counts between 0.6 and 1 by its offset, a moved one 0.25, others nothing.
+        """
+        fit = self._inputs.config.plane_offset_tolerance
+        moved = int((self.view.state == MOVED).sum())
+        good = float(np.exp(-0.5 * (self._fits / fit) ** 2).sum())
+        return (good + 0.25 * moved) / len(self.view.state)
+
+    @cached_property
+    def deviations(self) -> tuple[Deviation, ...]:
+        """Walls that lie off their plan by more than 0.1 m and three standard deviations."""
+        return tuple(self._deviations())
+
+    def _deviations(self) -> list[Deviation]:
+        i, view = self._inputs, self.view
+        covariance = self._covariance()
+        c, s = math.cos(self._at[0]), math.sin(self._at[0])
+        room = np.repeat(np.arange(len(i.kept)), np.diff(i.seen.first))
+        found = []
+        for p, k in sorted(self._best_rows.items()):
+            n = i.index.table.row[view.row[k], :2]
+            x, y = i.seen.center[room[k]]
+            arm = np.array([c * x - s * y, s * x + c * y])
+            slope = np.array([n[1] * arm[0] - n[0] * arm[1], n[0], n[1]])
+            sigma = math.sqrt(i.config.plane_sigma**2 + float(slope @ covariance @ slope))
+            if abs(view.offset[k]) > max(LEAST_DEVIATION, 3 * sigma):
+                found.append(
+                    Deviation(i.online.planes[p].id, -float(view.offset[k]), float(view.bend[k]), sigma)
+                )
+        return found
+
+    def _covariance(self) -> Floats:
+        """Covariance (yaw, x, y) of the placement by the planes that fit."""
+        i, view = self._inputs, self.view
+        room = np.repeat(np.arange(len(i.kept)), np.diff(i.seen.first))
+        rows = np.flatnonzero(view.state == FIT)
+        n = i.index.table.row[view.row[rows], :2]
+        arm = Placement(yaw=self._at[0]).vectors(i.seen.center[room[rows]])
+        slope = np.stack([n[:, 1] * arm[:, 0] - n[:, 0] * arm[:, 1], n[:, 0], n[:, 1]], axis=1)
+        information = slope.T @ slope / i.config.plane_sigma**2
+        information[0, 0] += len(rows) / i.config.angle_sigma**2
+        return np.linalg.inv(information)
+
+    def to_dict(self) -> dict[str, Any]:
+        """A solution of the match JSON."""
+        t = self.transform
+        return {
+            "transform": {"x": t.x, "y": t.y, "z": t.z, "yaw": t.yaw},
+            "storeys": self.storeys,
+            "rooms": self.rooms,
+            "also_covers": self.also_covers,
+            "planes": self.planes,
+            "objects": self.objects,
+            "score": self.score,
+            "probability": self.probability,
+            "rms": self.rms,
+            "deviations": [msgspec.to_builtins(d) for d in self.deviations],
+        }
