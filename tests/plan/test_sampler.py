@@ -15,6 +15,7 @@ from situgraph.errors import InputError
 from situgraph.geometry.poses import Placement, wrap_angle
 from situgraph.plan.layout_config import Kind, LayoutConfig
 from situgraph.plan.layouts import make_layout
+from situgraph.plan.sample_prefix import first_rooms
 from situgraph.plan.sample_truth import OnlineSample, truth_from_json, truth_to_json
 from situgraph.plan.sampler import Sampler, sample_online
 from situgraph.plan.sampler_config import CLEAN, REALISTIC, DetectionRates, SamplerConfig
@@ -290,3 +291,24 @@ def test_placements_are_spread_over_all_yaws() -> None:
     placements: list[Placement] = [sampler.sample(3, s).truth.placement for s in range(200)]
     yaws = np.array([p.yaw for p in placements])
     assert np.histogram(yaws, bins=4, range=(-math.pi, math.pi))[0].min() > 25
+
+
+@given(priors, st.integers(0, 1000), st.integers(1, 8))
+@settings(max_examples=30)
+def test_the_first_rooms_of_a_sample_are_a_sample(prior: SceneGraph, seed: int, rooms: int) -> None:
+    whole = sample_online(prior, 12, seed, ROUGH)
+    part = first_rooms(whole, prior, rooms)
+    online, truth = part.online, part.truth
+    assert validate(online, "part").rooms == online.rooms
+    assert truth.order == whole.truth.order[:rooms]
+    assert {*truth.rooms, *truth.false_rooms} == set(online.room_by_id)
+    assert {*truth.planes, *truth.false_planes} == set(online.plane_by_id)
+    assert {*truth.objects, *truth.duplicates, *truth.false_objects} == set(online.object_by_id)
+    seen = set(truth.rooms.values())
+    in_view = {o.id for r in seen for o in prior.objects_by_room.get(r, ())}
+    assert set(truth.objects.values()) | set(truth.missed_objects) == in_view
+    faces = {p for r in seen for p in prior.room_by_id[r].planes}
+    assert set(truth.planes.values()) | set(truth.missing_planes) == faces
+    assert {m.prior for m in truth.moved} <= faces
+    if rooms >= len(whole.truth.order):
+        assert online == whole.online

@@ -62,8 +62,11 @@ class Sampler:
         frame = self._frame(walk.order[0], rng)
         bend = config.drift * (1.0 if rng.random() < 0.5 else -1.0)
         motions = room_motions(frame, walk, prior.center, bend)
-        center = prior.center[walk.order]
-        placement = best_placement(motions, center, frame.z) if bend else frame
+        placement = frame
+        if bend:
+            own = [motions.placement(k, frame.z) for k in range(len(walk.order))]
+            centers = motions.points(prior.center[walk.order, :2], np.arange(len(walk.order)))
+            placement = best_placement(own, centers, frame.z)
 
         draft = Draft()
         seen = see_planes(walk, prior, config, rng)
