@@ -19,26 +19,19 @@ def build_structure(
     import shapely
 
     top = level.elevation + level.height
-    paint = {room: site.looks.draw("wall") for room in level.rooms}
-    facade = site.part("wall", "facade")
-    reveal = {r: site.part("wall", "reveal", room=r, look=paint[r]) for r in level.rooms}
-    numbers: dict[tuple[str, str | None], int] = {}
+    faces = _Faces(site, level, graph)
     for start, end in edges(level.walls):
-        room, plane = _face(level, graph, start, end)
-        if room is None:
-            near = _nearest_room(level, (start + end) / 2)
-            number = facade if near is None else reveal[near]
-        else:
-            key = (room, plane)
-            if key not in numbers:
-                numbers[key] = site.part("wall", "wall", None, plane, room, paint[room])
-            number = numbers[key]
-        site.mesh.upright(start, end, level.elevation, top, number)
+        site.mesh.upright(start, end, level.elevation, top, faces.number(start, end))
     for o in level.openings:
-        number = reveal[o.rooms[0]]
+        around = [(a, b, faces.number(a, b)) for a, b in edges(o.polygon)]
+        for low, high in ((level.elevation, o.low), (o.high, top)):
+            if high > low:
+                for start, end, number in around:
+                    site.mesh.upright(start, end, low, high, number)
+        reveal = faces.reveal(o.rooms[0])
         if o.low > level.elevation:
-            site.mesh.prism(o.polygon, level.elevation, o.low, number)
-        site.mesh.prism(o.polygon, o.high, top, number)
+            site.mesh.level(o.polygon, o.low, reveal, up=True)
+        site.mesh.level(o.polygon, o.high, reveal, up=False)
     up_holes = shapely.union_all([f.hole for f in ways if f.lower == index])
     down_holes = shapely.union_all([f.hole for f in ways if f.upper == index])
     floor = site.part("floor", "floor")
@@ -54,6 +47,35 @@ def build_structure(
         above = site.part("ceiling", "ceiling", room=room)
         height = level.elevation + level.heights[room]
         site.mesh.level(shape.difference(up_holes), height, above, up=False)
+
+
+class _Faces:
+    """Part numbers of wall faces: one for each plane of each room, painted by room."""
+
+    def __init__(self, site: Site, level: Level, graph: SceneGraph) -> None:
+        self._site, self._level, self._graph = site, level, graph
+        self._paint = {room: site.looks.draw("wall") for room in level.rooms}
+        self._facade = site.part("wall", "facade")
+        self._reveal = {
+            r: site.part("wall", "reveal", room=r, look=self._paint[r]) for r in level.rooms
+        }
+        self._faces: dict[tuple[str, str | None], int] = {}
+
+    def reveal(self, room: str) -> int:
+        """The inner sides of openings, painted like ``room``."""
+        return self._reveal[room]
+
+    def number(self, start: Array, end: Array) -> int:
+        """The part of the face over an edge of the plan view, solid on its left."""
+        room, plane = _face(self._level, self._graph, start, end)
+        if room is None:
+            near = _nearest_room(self._level, (start + end) / 2)
+            return self._facade if near is None else self._reveal[near]
+        key = (room, plane)
+        if key not in self._faces:
+            look = self._paint[room]
+            self._faces[key] = self._site.part("wall", "wall", None, plane, room, look)
+        return self._faces[key]
 
 
 def _face(
