@@ -342,6 +342,19 @@ def test_fixtures_and_furniture_stand_in_rooms(tmp_path: Path) -> None:
     }  # fmt: skip
 
 
+def test_what_hangs_on_a_wall_is_on_its_face(tmp_path: Path) -> None:
+    author = Author("IFC4")
+    two_rooms(author)
+    radiator = author.element("IfcSpaceHeater", (2.0, 2.92), (1.0, 0.1), 0.2, 0.6)
+    away = author.element("IfcSpaceHeater", (2.0, 1.5), (1.0, 0.1), 0.2, 0.6)
+    graph = read(author, tmp_path)
+    (plane,) = by_guid(graph, radiator).planes
+    assert plane in room(graph, "A").planes
+    assert graph.plane_by_id[plane].normal == (0.0, -1.0, 0.0)
+    assert by_guid(graph, away).rooms == (room(graph, "A").id,)
+    assert by_guid(graph, away).planes == ()
+
+
 def test_space_boundaries_audit_the_geometry(tmp_path: Path) -> None:
     author = Author()
     made = two_rooms(author)

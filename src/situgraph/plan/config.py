@@ -71,6 +71,9 @@ class PlanConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     passage_width: Annotated[
         float, _meta("A bare opening this wide can be walked through", "m", _SURVEY, ge=0, le=10)
     ] = 0.5
+    mount_gap: Annotated[
+        float, _meta("A fixture this near a wall face hangs on it", "m", _SURVEY, ge=0, le=1)
+    ] = 0.15
     min_semi_axis: Annotated[
         float,
         _meta("Smallest semi-axis of an ellipsoid", "m", "as in the objects stage", ge=0, le=1),

@@ -16,6 +16,7 @@ from situgraph.plan.digits import point3
 from situgraph.plan.hosting import Host, RoomFaces, hosts, room_faces
 from situgraph.plan.openings import Box, extent_box, filling_box
 from situgraph.plan.rooms import RoomShape
+from situgraph.scenegraph.categories import WALL_MOUNTED
 from situgraph.scenegraph.graph import Ellipsoid, Warning
 
 if TYPE_CHECKING:
@@ -96,10 +97,34 @@ def _between(box: Box, found: Sequence[Host], rooms: RoomIndex) -> Box:
     return box
 
 
-def place_fixture(element: Element, rooms: RoomIndex) -> Placed:
-    """A fixed element or a piece of furniture with the rooms it stands in."""
+def place_fixture(element: Element, rooms: RoomIndex, config: PlanConfig) -> Placed:
+    """A fixed element or a piece of furniture with the rooms it stands in.
+
+    Kinds that hang on walls (``WALL_MOUNTED``) are on the face of their room that they touch.
+    """
     box = extent_box(element.mesh)
-    return Placed(element, element.category or "fixture", box, tuple(rooms.around(box)))
+    category = element.category or "fixture"
+    found = tuple(rooms.around(box))
+    faces: tuple[tuple[int, int], ...] = ()
+    if category in WALL_MOUNTED:
+        touched = ((r, _touched(box, rooms.shapes[r], config.mount_gap)) for r in found)
+        faces = tuple((r, face) for r, face in touched if face is not None)
+    return Placed(element, category, box, found, faces)
+
+
+def _touched(box: Box, room: RoomShape, gap: float) -> int | None:
+    """The face nearest to a box's side, if it is within ``gap`` and runs past the box's middle."""
+    middle = np.array(box.center[:2])
+    best: tuple[float, int] | None = None
+    for number, face in enumerate(room.faces):
+        n = np.array(face.normal)
+        reach = abs(n @ box.along) * box.half[0] + abs(n @ box.across) * box.half[1]
+        apart = abs(float(n @ middle) + face.offset - float(reach))
+        beside = face.low <= float(middle @ np.array(face.tangent)) <= face.high
+        in_height = face.bottom <= box.center[2] <= face.top
+        if beside and in_height and apart <= gap and (best is None or (apart, number) < best):
+            best = (apart, number)
+    return None if best is None else best[1]
 
 
 def ellipsoid(box: Box, smallest: float) -> Ellipsoid:
@@ -173,7 +198,7 @@ def find_contents(
     made = {f.key: place_filling(f, boxes[f.key], faces, rooms, config) for f in once}
     placed = [p for p in made.values() if p is not None]
     placed.sort(key=lambda p: p.category != "door")
-    fixtures = [place_fixture(e, rooms) for e in building.fixtures]
+    fixtures = [place_fixture(e, rooms, config) for e in building.fixtures]
     left_out: dict[str, list[Filling | Element]] = {
         "duplicate-object": [f for f in building.fillings if f.key not in made],
         "opening-left-out": [f for f in once if made[f.key] is None],
