@@ -142,7 +142,7 @@ def test_plain_text_is_one_short_line_that_xml_can_hold(text: str) -> None:
 @pytest.mark.parametrize(
     ("value", "text"),
     [(0.7, "70 %"), (0.9991, "99.91 %"), (1.0, "100 %"), (0.0, "0 %"), (1e-6, "0.0001 %"),
-     (1 - 1e-12, "over 99.99999 %"), (1e-12, "under 0.00001 %")],
+     (1 - 1e-12, "> 99.99999 %"), (1e-12, "< 0.00001 %")],
 )  # fmt: skip
 def test_probabilities_are_never_rounded_to_certainty(value: float, text: str) -> None:
     assert percent(value) == text

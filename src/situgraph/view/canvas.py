@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = (".png", ".svg", ".pdf")
+_SCREEN = 1.28  # pixels on a page for a point of a drawing
 _FONTS = "Inter, 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"
 
 
@@ -61,7 +62,9 @@ def inline_svg(figure: Figure, name: str, label: str) -> str:
     text = re.sub(r"<[^>]*>", lambda tag: _local(tag[0], name), text)
     head, rest = text.split(">", 1)
     head = re.sub(r'\s(?:width|height)="[^"]*"', "", head)
-    return f'{head} role="img" aria-label="{escape(label)}">{rest}'
+    wide = _SCREEN * 72.0 * figure.get_figwidth()
+    style = f'style="max-width:{wide:.0f}px"'  # so that letters are as large in every picture
+    return f'{head} {style} role="img" aria-label="{escape(label)}">{rest}'
 
 
 def _local(tag: str, name: str) -> str:

@@ -45,11 +45,11 @@ class Floor(msgspec.Struct, frozen=True):
         return self.faces.only(np.array([id in loose for id in self.faces.ids], dtype=bool))
 
     def points(self) -> Array:
-        """Everything drawn, as points (n, 2)."""
+        """What a drawing must show, as points (n, 2): not the trees around a house."""
         parts = [self.faces.segments.reshape(-1, 2), self.path]
         parts += [s.center[None] if s.outline is None else s.outline.polygon for s in self.rooms]
-        parts += [np.array([o.center[:2] for o in self.objects]).reshape(-1, 2)]
-        return np.concatenate(parts)
+        inside = [o.center[:2] for o in self.objects if o.rooms or not self.rooms]
+        return np.concatenate([*parts, np.array(inside, dtype=float).reshape(-1, 2)])
 
 
 class Building(msgspec.Struct, frozen=True):

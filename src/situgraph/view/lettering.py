@@ -61,7 +61,9 @@ def _layouts(text: str) -> list[tuple[str, ...]]:
 
 
 def metres(length: float) -> str:
-    """A length to read: ``4 cm``, ``1.25 m``."""
+    """A length to read: ``3 mm``, ``4 cm``, ``1.25 m``."""
+    if 0.0 < abs(length) < 0.0095:
+        return f"{1000.0 * length:.0f} mm"
     return f"{100.0 * length:.0f} cm" if abs(length) < 0.995 else f"{length:.2f} m"
 
 
@@ -87,6 +89,6 @@ def percent(probability: float) -> str:
     if rest <= 0.0:
         return f"{100.0 * probability:.0f} %"
     if rest < 1e-7:
-        return "under 0.00001 %" if probability < 0.5 else "over 99.99999 %"
+        return "< 0.00001 %" if probability < 0.5 else "> 99.99999 %"
     digits = max(0, -math.floor(math.log10(100.0 * rest)))
     return f"{100.0 * probability:.{digits}f} %"

@@ -116,7 +116,8 @@ def _facts(report: Report, record: MatchRecord, rooms: int) -> None:
     report.fact("placements that fit", number(record.count), "solutions")
     if record.probability_outside is not None:
         report.fact("outside the plan", percent(record.probability_outside), "probability")
-    report.fact("certified", record.certified, "complete search, within the model")
+    certificate = "complete search, within the model" if record.certified else ""
+    report.fact("certified", record.certified, certificate)
     total = _seconds(record).get("total")
     if total is not None:
         report.fact("time", seconds(total), "of the match")

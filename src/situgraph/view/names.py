@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,12 +22,11 @@ _USED = 0.9  # of the space across a room
 
 def draw_names(
     axes: Axes, shapes: Sequence[Shape], scale: float, config: ViewConfig,
-    only: Container[str] | None = None,
+    color: str = palette.INK,
 ) -> int:  # fmt: skip
-    """Write the names of the rooms (of those ``only``); returns how many had no space."""
-    wanted = [s for s in shapes if only is None or s.id in only]
+    """Write the names of rooms where they fit; returns how many had no space."""
     left_out = 0
-    for shape, (x, y), (across, up) in zip(wanted, *_spaces(wanted, scale, config)):
+    for shape, (x, y), (across, up) in zip(shapes, *_spaces(shapes, scale, config)):
         name = plain(shape.name, 60)
         fit = fitted(name, _USED * across, _USED * up, config.smallest_text, _LARGEST)
         if fit is None:
@@ -35,7 +34,7 @@ def draw_names(
             continue
         text, size = fit
         axes.text(
-            x, y, text, fontsize=round(size, 1), color=palette.INK, ha="center", va="center",
+            x, y, text, fontsize=round(size, 1), color=color, ha="center", va="center",
             zorder=6.0, parse_math=False, linespacing=1.15, clip_on=True,
             bbox={"facecolor": palette.FLOOR, "edgecolor": "none", "alpha": 0.75, "pad": 0.6},
         )  # fmt: skip

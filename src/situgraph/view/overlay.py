@@ -107,9 +107,8 @@ def _level(prior: Building, floor: Floor, solution: Solution) -> int:
 
 
 def draw_overlay(
-    axes: Axes, over: Overlay, level: int, bounds: Bounds, scale: float, config: ViewConfig,
-    names: bool = True,
-) -> None:  # fmt: skip
+    axes: Axes, over: Overlay, level: int, bounds: Bounds, scale: float, config: ViewConfig
+) -> None:
     """The plan of a storey in grey, and on it what was seen of it, in colour."""
     plan = over.prior.floors[level]
     if len(plan.rooms) > config.detail_rooms:
@@ -124,8 +123,9 @@ def draw_overlay(
         _moved(axes, floor, plan, over, scale)
         _objects(axes, floor, over, scale)
         draw_path(axes, floor.path)
-    if names:
-        draw_names(axes, plan.rooms, scale, config, over.plan_colors)
+    others = [s for s in plan.rooms if s.id not in over.plan_colors]
+    draw_names(axes, others, scale, config, palette.MUTED)
+    draw_names(axes, [s for s in plan.rooms if s.id in over.plan_colors], scale, config)
 
 
 def _tint(axes: Axes, shapes: Sequence[Shape], colors: dict[str, str]) -> None:

@@ -192,10 +192,10 @@ def _windows(axes: Axes, windows: Sequence[Opening], scale: float, look: Look) -
 
 
 def draw_objects(axes: Axes, objects: Sequence[Object], scale: float) -> None:
-    """Footprints at true size where known, and a symbol for each category."""
+    """A symbol for each category, and the size of what stands in a room, where known."""
     if scale < READABLE_OBJECT or not objects:
         return
-    _footprints(axes, [o for o in objects if o.ellipsoid is not None], scale)
+    _footprints(axes, [o for o in objects if o.ellipsoid is not None and o.rooms], scale)
     size = float(np.clip(0.3 * scale, 2.0, 5.5))
     for name, glyph in glyphs(o.category for o in objects).items():
         at = np.array([o.center[:2] for o in objects if o.category == name])
