@@ -14,7 +14,8 @@ MACHINE_PATHS = re.compile(
 )
 REGISTRIES = re.compile(r"(?i)--(?:extra-)?index-ur[l]|--find-link[s]|py[p]i\.org|pythonhoste[d]")
 UNSAFE = re.compile(
-    r"^\s*(?:import|from) (?:pickle|marshal|shelve|dill|cloudpickle|xml\.etree|lxml)\b"
+    r"^\s*(?:import|from) (?:pickle|marshal|shelve|dill|cloudpickle|lxml)\b"
+    r"|^\s*import xml\b|^\s*from xml\S* import (?!Element\b|ParseError\b)"
     r"|(?<![\w.])(?:eval|exec)\(|yaml\.(?:unsafe_)?load\(|allow_pickle=True|shell=True",
     re.MULTILINE,
 )

@@ -134,7 +134,8 @@ def _show(match: dict[str, Any], explain: bool) -> None:
     if explain:
         _print_stages(match["stats"])
     seconds = match["stats"]["seconds"]["total"]
-    console().print(f"model: {escape(match['stats']['model'])}; {seconds * 1e3:.2f} ms")
+    took = f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.2f} ms"
+    console().print(f"model: {escape(match['stats']['model'])}; {took}", soft_wrap=True)
 
 
 def print_solutions(solutions: list[dict[str, Any]], count: int) -> None:
@@ -148,14 +149,14 @@ def print_solutions(solutions: list[dict[str, Any]], count: int) -> None:
             len(s["planes"]),
             len(s["objects"]),
             f"{s['rms']:.3f}",
-            f"{s['probability']:.2%}",
+            f"{s['probability']:.1%}",
         )
         for number, s in enumerate(solutions[:SHOWN], start=1)
     ]
     if not rows:
         return
     more = f", the best {SHOWN} of {count}" if count > SHOWN else ""
-    columns = ("", "x", "y", "z", "yaw", "rooms", "planes", "objects", "rms", "prob.")
+    columns = ("", "x", "y", "z", "yaw", "rooms", "planes", "obj.", "rms", "prob.")
     print_table(f"Placements, map to building (m, deg{more})", columns, rows)
 
 
