@@ -6,6 +6,8 @@ on the yaw only through *which* planes have the same direction.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from situgraph.experiments.oracle.explained import SLACK, assignments
@@ -36,6 +38,14 @@ def _stacked(shapes: list[Shape]) -> tuple[list[slice], Array]:
     return slices, np.concatenate([s.angles for s in shapes])
 
 
+class Held(NamedTuple):
+    """For some places of a room: is it explained, and which plane pairs (k, pairs) are near, fit."""
+
+    good: Flags
+    near: Flags
+    fits: Flags
+
+
 class Regions:
     """The regions of all room pairs of a problem, remembered by which planes share a direction."""
 
@@ -51,18 +61,18 @@ class Regions:
                 if problem.room_allowed(r, a):
                     self._allowed[rows, columns] = problem.planes_allowed(r, a)
 
-    def directed(self, yaw: float, spread: float = 0.0) -> dict[tuple[int, int], Flags]:
+    def directed(self, yaw: float, spread: float, among: Flags) -> dict[tuple[int, int], Flags]:
         """Plane pairs of the same direction at a yaw, or at some yaw within ``spread`` of it.
 
-        Only for room pairs where at most one online plane has no counterpart.
+        Only for those room pairs ``among`` (N, M) where at most one plane has no counterpart.
         """
         limit = self.problem.constants.angle_tolerance + spread + SLACK
         near = (np.abs(wrap_angle(self._turn + yaw)) <= limit) & self._allowed
         found = np.logical_or.reduceat(near, [c.start for c in self._columns], axis=1)
         bare = np.add.reduceat(~found, [r.start for r in self._rows], axis=0, dtype=int)
         return {
-            (int(r), int(a)): near[self._rows[r], self._columns[a]]
-            for r, a in np.argwhere(bare <= 1)
+            (r, a): near[self._rows[r], self._columns[a]]
+            for r, a in np.argwhere((bare <= 1) & among).tolist()
         }
 
     def lines(self, r: int, a: int, directed: Flags) -> tuple[Array, Array]:
@@ -75,31 +85,31 @@ class Regions:
         values = zero[:, None] + limits[None, :]
         return np.repeat(theirs.normals[j], len(limits), axis=0), values.ravel()
 
-    def explained(
-        self, r: int, a: int, directed: Flags, centers: Array
-    ) -> tuple[Flags, tuple[Flags, Flags]]:
-        """Which moved centres (k, 2) explain the room, and which plane pairs are near and fit."""
+    def explained(self, r: int, a: int, directed: Flags, centers: Array) -> Held:
+        """What holds when the room's centre is moved to each of ``centers`` (k, 2)."""
         c = self.problem.constants
         mine, theirs = self.problem.seen[r], self.problem.planned[a]
-        reach = centers @ theirs.normals.T + theirs.offsets
-        offset = np.abs(mine.distances[None, :, None] - reach[:, None, :])
-        near = directed[None] & (offset <= c.moved_limit + SLACK)
-        fits = directed[None] & (offset <= c.fit_limit + SLACK)
+        rows, columns = np.nonzero(directed)
+        reach = centers @ theirs.normals[columns].T + theirs.offsets[columns]
+        offset = np.abs(mine.distances[rows] - reach)
+        near, fits = offset <= c.moved_limit + SLACK, offset <= c.fit_limit + SLACK
+        place = {(i, j): k for k, (i, j) in enumerate(zip(rows.tolist(), columns.tolist()))}
         crossed = mine.not_parallel(c.parallel_sine)
         good = np.zeros(len(centers), dtype=bool)
         for choice in assignments(directed):
-            pairs = [(i, j) for i, j in enumerate(choice) if j >= 0]
+            pairs = [(i, place[i, j]) for i, j in enumerate(choice) if j >= 0]
+            held = [k for _, k in pairs]
             if len(choice) == 2 or not crossed.any():
                 if len(pairs) == len(choice):
-                    good |= np.logical_and.reduce([fits[:, i, j] for i, j in pairs])
+                    good |= fits[:, held].all(axis=1)
                 continue
             anchored = np.zeros(len(centers), dtype=bool)
-            for i, j in pairs:
-                for k, m in pairs:
-                    if i < k and crossed[i, k]:
-                        anchored |= fits[:, i, j] & fits[:, k, m]
-            good |= anchored & np.logical_and.reduce([near[:, i, j] for i, j in pairs])
-        return good, (near, fits)
+            for n, (i, k) in enumerate(pairs):
+                for j, m in pairs[n + 1 :]:
+                    if crossed[i, j]:
+                        anchored |= fits[:, k] & fits[:, m]
+            good |= anchored & near[:, held].all(axis=1)
+        return Held(good, near, fits)
 
     def box(self, r: int, a: int, directed: Flags) -> Array | None:
         """Bounding box ``[[x, y], [x, y]]`` of the region, None when it is empty."""
@@ -115,7 +125,7 @@ class Regions:
         centers = crossings(*self.lines(r, a, directed))
         if not len(centers):
             return None
-        centers = centers[self.explained(r, a, directed, centers)[0]]
+        centers = centers[self.explained(r, a, directed, centers).good]
         return np.array([centers.min(axis=0), centers.max(axis=0)]) if len(centers) else None
 
     def _strip_box(self, r: int, a: int, directed: Flags) -> Array | None:

@@ -24,8 +24,7 @@ from situgraph.experiments.oracle.regions import Regions, crossings
 from situgraph.geometry.poses import Array, rotation2, wrap_angle
 
 COARSE = math.radians(1.0)
-FINE_ARC = 0.01  # metres that the farthest room centre moves from one fine yaw to the next
-FINE_MOST = math.radians(0.1)
+FINE_ARC = 0.02  # metres that the farthest room centre moves from one fine yaw to the next
 
 Pair = tuple[int, int]
 
@@ -47,35 +46,37 @@ def feasible_placements(problem: Problem, regions: Regions | None = None) -> lis
     found: list[Found] = []
     for shift in problem.shifts:
         samples: dict[bytes, Found] = {}
-        for yaw in _yaws(problem, regions, shift):
-            for key, sample in _at_yaw(problem, regions, shift, yaw):
+        for yaw, among in _yaws(problem, regions, shift):
+            for key, sample in _at_yaw(problem, regions, yaw, shift.z, among):
                 samples.setdefault(key, sample)
         found += samples.values()
     return found
 
 
-def _yaws(problem: Problem, regions: Regions, shift: Shift) -> Iterator[float]:
-    """The fine grid, laid where the coarse one leaves enough rooms."""
-    arms = [float(np.linalg.norm(s.center - problem.middle)) for s in problem.seen]
-    fine = min(FINE_MOST, FINE_ARC / max(*arms, 1e-9)) if len(arms) > 1 else FINE_MOST
-    steps = math.ceil(COARSE / fine)
+def _yaws(problem: Problem, regions: Regions, shift: Shift) -> Iterator[tuple[float, Flags]]:
+    """The fine grid, laid where the coarse one leaves enough rooms, and the pairs it leaves."""
+    arm = max(float(np.linalg.norm(s.center - problem.middle)) for s in problem.seen)
+    steps = math.ceil(COARSE * arm / FINE_ARC) + 1
     start = float(problem.planned[0].angles[0] - problem.seen[0].angles[0])
     for k in range(round(2 * math.pi / COARSE)):
         middle = start + k * COARSE
-        boxes = _boxes(problem, regions, shift, middle, COARSE / 2)
-        if any(_crowds(problem, boxes)):
+        boxes = _boxes(problem, regions, middle, COARSE / 2, shift.pairs)
+        among = np.zeros_like(shift.pairs)
+        for crowd in _crowds(problem, boxes):
+            among[tuple(np.transpose(crowd))] = True
+        if among.any():
             for m in range(steps):
-                yield float(wrap_angle(middle + COARSE * ((m + 0.5) / steps - 0.5)))
+                yield float(wrap_angle(middle + COARSE * ((m + 0.5) / steps - 0.5))), among
 
 
 def _boxes(
-    problem: Problem, regions: Regions, shift: Shift, yaw: float, spread: float
+    problem: Problem, regions: Regions, yaw: float, spread: float, among: Flags
 ) -> dict[Pair, Array]:
     """For each room pair the box of where the mean centre may go, at a yaw or within ``spread``."""
     boxes: dict[Pair, Array] = {}
     turn = rotation2(yaw)
-    for (r, a), directed in regions.directed(yaw, spread).items():
-        box = regions.box(r, a, directed) if shift.pairs[r, a] else None
+    for (r, a), directed in regions.directed(yaw, spread, among).items():
+        box = regions.box(r, a, directed)
         if box is not None:
             arm = problem.seen[r].center - problem.middle
             slip = float(np.linalg.norm(arm)) * spread
@@ -106,21 +107,26 @@ def _crowds(problem: Problem, boxes: dict[Pair, Array]) -> Iterator[list[Pair]]:
 
 
 def _at_yaw(
-    problem: Problem, regions: Regions, shift: Shift, yaw: float
+    problem: Problem, regions: Regions, yaw: float, z: float, among: Flags
 ) -> Iterator[tuple[bytes, Found]]:
     """Feasible placements at one yaw, one for each way the explained rooms' tolerances hold."""
-    boxes = _boxes(problem, regions, shift, yaw, 0.0)
+    boxes = _boxes(problem, regions, yaw, 0.0, among)
     for crowd in _crowds(problem, boxes):
-        near = np.zeros_like(shift.pairs)
+        near = np.zeros_like(among)
         near[tuple(np.transpose(crowd))] = True
-        for key, point, fits in _vertices(problem, regions, yaw, crowd, boxes):
-            yield key, Found(Motion(yaw, point, shift.z), near, fits)
+        directed = regions.directed(yaw, 0.0, near)
+        for key, point, fits in _vertices(problem, regions, yaw, directed, boxes):
+            yield key, Found(Motion(yaw, point, z), near, fits)
 
 
 def _vertices(
-    problem: Problem, regions: Regions, yaw: float, crowd: list[Pair], boxes: dict[Pair, Array]
+    problem: Problem,
+    regions: Regions,
+    yaw: float,
+    directed: dict[Pair, Flags],
+    boxes: dict[Pair, Array],
 ) -> Iterator[tuple[bytes, Array, int]]:
-    directed = regions.directed(yaw)
+    crowd = list(directed)
     arms = {r: rotation2(yaw) @ (problem.seen[r].center - problem.middle) for r, _ in crowd}
     normals: list[Array] = []
     values: list[Array] = []
@@ -130,28 +136,32 @@ def _vertices(
         values.append(value - normal @ arms[r])
     points = crossings(np.concatenate(normals), np.concatenate(values))
     points = points[_crowded(problem, points, crowd, boxes)]
-    if not len(points):
-        return
     # Vertices meet on shared tolerances many times over.
-    points = points[np.unique(points.round(7), axis=0, return_index=True)[1]]
+    _, once = np.unique(points.round(7) @ (1.0, 1j), return_index=True)
+    points = points[once]
     good = np.zeros((len(points), len(crowd)), dtype=bool)
     fitting = np.zeros(len(points), dtype=int)
     states: list[Flags] = []
     for k, (r, a) in enumerate(crowd):
-        good[:, k], (near, fits) = regions.explained(r, a, directed[r, a], points + arms[r])
-        fitting += fits.sum(axis=(1, 2)) * good[:, k]
-        bits = np.concatenate([near, fits], axis=1).reshape(len(points), -1)
-        states.append(np.concatenate([good[:, k : k + 1], bits & good[:, k : k + 1]], axis=1))
-    keys = np.packbits(np.concatenate(states, axis=1), axis=1)
-    names = repr(crowd).encode()
-    groups: dict[bytes, list[int]] = {}
-    for member in range(len(points)):
-        groups.setdefault(keys[member].tobytes(), []).append(member)
-    for key, members in groups.items():
-        explained = [pair for pair, ok in zip(crowd, good[members[0]]) if ok]
+        held = regions.explained(r, a, directed[r, a], points + arms[r])
+        good[:, k] = held.good
+        fitting += held.fits.sum(axis=1) * held.good
+        states += [
+            held.good[:, None],
+            held.near & held.good[:, None],
+            held.fits & held.good[:, None],
+        ]
+    possible = good.sum(axis=1) >= problem.least_rooms
+    keys = np.packbits(np.concatenate(states, axis=1), axis=1)[possible]
+    points, good, fitting = points[possible], good[possible], fitting[possible]
+    names = repr([(pair, flags.tobytes()) for pair, flags in directed.items()]).encode()
+    groups, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    for g, key in enumerate(groups):
+        explained = [pair for pair, ok in zip(crowd, good[first[g]]) if ok]
         if matched(explained) >= problem.least_rooms:
             # The strips that hold at all members are convex, so they hold at the mean.
-            yield names + key, points[members].mean(axis=0), int(fitting[members[0]])
+            mean = points[group.ravel() == g].mean(axis=0)
+            yield names + key.tobytes(), mean, int(fitting[first[g]])
 
 
 def _crowded(problem: Problem, points: Array, crowd: list[Pair], boxes: dict[Pair, Array]) -> Flags:
