@@ -75,6 +75,17 @@ def test_people_get_tables_on_stderr(files: tuple[Path, Path]) -> None:
         assert words in result.stderr
 
 
+def test_two_rooms_are_compared(files: tuple[Path, Path]) -> None:
+    result = call(*files, "--explain", "r0", "r2")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert "4.00 x 3.00" in result.stderr
+    assert "5.00 x 4.00" in result.stderr
+    assert "matched in 0 of 1 solutions; online r0 is r0 in 1" in result.stderr
+    unknown = call(*files, "--explain", "r0", "r22")
+    assert unknown.exit_code == 2
+    assert 'prior.json: no room has the id "r22"; the nearest is r2' in unknown.stderr
+
+
 def test_the_exit_code_does_not_tell_the_verdict(tmp_path: Path) -> None:
     square = ((0, 0, 4, 4),)
     sg.save(building(square), tmp_path / "square.json")

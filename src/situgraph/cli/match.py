@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from situgraph.cli.console import console, emit_json, print_table
+from situgraph.cli.explain import find_room, print_pair, print_stages
 from situgraph.cli.options import json_option, output_option, settings_options
 from situgraph.errors import InputError
 
@@ -39,7 +40,7 @@ SHOWN = 10  # solutions listed for people; the JSON holds them all
 @click.option(
     "--explain",
     is_flag=True,
-    help="Say what each stage kept; with ROOM PRIOR_ROOM, why these two do or do not match.",
+    help="Say what each stage kept; with ROOM PRIOR_ROOM, how these two compare.",
 )
 @click.option(
     "--picture",
@@ -79,6 +80,9 @@ def command(
     for path, graph in ((online, seen), (prior, planned)):
         if not graph.rooms:
             raise InputError(path, "has no rooms to match", "match a graph with at least one room")
+    pair = (
+        (find_room(seen, rooms[0], online), find_room(planned, rooms[1], prior)) if rooms else None
+    )
     index = PlanIndex(planned, settings.matching)
     result = match(seen, index, semantics=semantics, config=settings.matching)
     document = result.to_dict()
@@ -93,7 +97,11 @@ def command(
     if as_json:
         emit_json(document)
         return
-    _show(document, explain)
+    _show(document)
+    if explain:
+        print_stages(document["stats"])
+    if pair:
+        print_pair(document, seen, planned, *pair)
 
 
 def _draw(
@@ -115,7 +123,7 @@ def _draw(
     save_figure(draw(match, online, prior, settings.view), picture, settings.view.dpi)
 
 
-def _show(match: dict[str, Any], explain: bool) -> None:
+def _show(match: dict[str, Any]) -> None:
     """The match for people, on stderr."""
     from rich.markup import escape
 
@@ -131,8 +139,6 @@ def _show(match: dict[str, Any], explain: bool) -> None:
         where = f" on plane {hint['on_plane']}" if hint.get("on_plane") else ""
         text = f"look for a {hint['look_for']}{where} in room {hint['in_room']}: it splits the rest"
         console().print(escape(text), soft_wrap=True)
-    if explain:
-        _print_stages(match["stats"])
     seconds = match["stats"]["seconds"]["total"]
     took = f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.2f} ms"
     console().print(f"model: {escape(match['stats']['model'])}; {took}", soft_wrap=True)
@@ -176,14 +182,3 @@ def _print_best(solution: dict[str, Any]) -> None:
         ]
         columns = ("online plane", "prior plane", "offset m", "sigma m")
         print_table("Walls that are not where they were planned", columns, moved)
-
-
-def _print_stages(stats: dict[str, Any]) -> None:
-    stages = ("type", "semantic", "geometric")
-    rows = [
-        ("room pairs", *(stats["room_candidates"].get(s) for s in stages)),
-        ("plane pairs", *(stats["plane_candidates"].get(s) for s in stages)),
-    ]
-    print_table("What each stage kept", ("", "by type", "semantic", "geometric"), rows)
-    text = f"hypotheses {stats['hypotheses']}, candidates {stats['candidates']}, "
-    console().print(text + ("search complete" if stats["complete"] else "search cut short"))
