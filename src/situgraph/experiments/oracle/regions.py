@@ -39,7 +39,7 @@ def _stacked(shapes: list[Shape]) -> tuple[list[slice], Array]:
 
 
 class Held(NamedTuple):
-    """For some places of a room: is it explained, and which plane pairs (k, pairs) are near, fit."""
+    """For some places of a room: is it explained; which plane pairs (k, pairs) are near, fit."""
 
     good: Flags
     near: Flags
