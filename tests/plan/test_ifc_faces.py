@@ -105,6 +105,33 @@ def test_wide_gaps_part_coplanar_faces() -> None:
     assert np.allclose(np.abs(spans), [(0.0, 4.0), (5.0, 6.0)])
 
 
+def test_the_strip_above_a_niche_is_no_part_of_the_face() -> None:
+    # A room of 4 x 3 m with a niche 2 m wide, 0.3 m deep and 2.3 m high in its south side.
+    whole = trimesh.creation.box(bounds=[(0, 0, 0), (4, 3, 2.5)])
+    parts = [whole, trimesh.creation.box(bounds=[(2, -0.3, 0), (4, 0, 2.3)])]
+    faces: list[list[int]] = []
+    corners: list[np.ndarray] = []
+    for body in parts:
+        keep = [f for f in body.faces if not np.allclose(body.vertices[f][:, 1], 0.0)]
+        faces += [[len(corners) * 8 + int(k) for k in f] for f in keep]
+        corners.append(np.asarray(body.vertices))
+    ring = [(0, 0, 0), (2, 0, 0), (2, 0, 2.3), (4, 0, 2.3), (4, 0, 2.5), (0, 0, 2.5), (2, 0, 2.5)]
+    start = 16
+    strip = [(0, 1, 6), (0, 6, 5), (2, 3, 4), (2, 4, 6)]
+    faces += [[start + k for k in t] for t in strip]
+    mesh = Mesh(np.vstack([*corners, ring]), np.array(faces, dtype=np.int64))
+    found = vertical_faces(mesh, CONFIG, outward=False, min_height=0.6)
+    south = [f for f in found if f.normal[1] > 0.9 and abs(f.offset) < 1e-6]
+    assert sorted((round(f.length, 3), round(f.height, 3)) for f in south) == [
+        (2.0, 0.2),
+        (2.0, 2.5),
+    ]
+    whole_faces = vertical_faces(mesh, CONFIG, outward=False)
+    assert [
+        round(f.length, 3) for f in whole_faces if f.normal[1] > 0.9 and abs(f.offset) < 1e-6
+    ] == [4]
+
+
 def test_the_tangent_runs_counter_clockwise_round_a_room() -> None:
     mesh = prism([(0, 0), (4, 0), (4, 3), (0, 3)])
     south = next(f for f in vertical_faces(mesh, CONFIG, outward=False) if f.normal[1] > 0.9)
@@ -129,7 +156,7 @@ def wall(mesh: Mesh, key: int = 1) -> Element:
     return Element(key, "guid", "IfcWall", None, mesh)
 
 
-FACE = Face((0.0, 1.0), 0.0, ((0.0, 4.0),), 0.0, 2.5, 10.0)  # y = 0, the room at y > 0
+FACE = Face((0.0, 1.0), 0.0, ((0.0, 4.0),), 0.0, 2.5)  # y = 0, the room at y > 0
 
 
 @pytest.mark.parametrize(

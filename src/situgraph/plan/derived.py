@@ -154,8 +154,7 @@ def ring_faces(ring: Array, bottom: float, top: float) -> Iterator[Face]:
     for n, d, start, end in zip(normals, offsets, ring, np.roll(ring, -1, axis=0), strict=True):
         t = np.array([n[1], -n[0]])
         span = (float(start @ t), float(end @ t))
-        area = (span[1] - span[0]) * (top - bottom)
-        yield Face((float(n[0]), float(n[1])), float(d), (span,), bottom, top, area)
+        yield Face((float(n[0]), float(n[1])), float(d), (span,), bottom, top)
 
 
 def _distinct(found: Sequence[tuple[float, RoomShape]], config: PlanConfig) -> list[RoomShape]:

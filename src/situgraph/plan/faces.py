@@ -16,6 +16,8 @@ from situgraph.plan.outlines import footprint, is_consistent
 
 Span = tuple[float, float]
 
+SHORT = 1e-3  # m; shorter stretches of a face come from rounding
+MANY = 2_000_000  # triangles times stretches; a face of more is not looked at stretch by stretch
 PROBE = 0.01  # m; how far beside a face its two sides are looked at
 
 
@@ -23,7 +25,7 @@ class Face(msgspec.Struct, frozen=True):
     """A vertical face: unit ``normal`` (2,) and ``offset`` with ``n.x + d = 0`` in the plan.
 
     ``spans`` are the stretches it covers along its tangent ``(n_y, -n_x)`` (m), ``bottom`` and
-    ``top`` its heights (m), ``area`` in square metres.
+    ``top`` its heights (m).
     """
 
     normal: tuple[float, float]
@@ -31,7 +33,6 @@ class Face(msgspec.Struct, frozen=True):
     spans: tuple[Span, ...]
     bottom: float
     top: float
-    area: float
 
     @property
     def tangent(self) -> tuple[float, float]:
@@ -70,10 +71,14 @@ class Face(msgspec.Struct, frozen=True):
         return msgspec.structs.replace(self, normal=(-nx, -ny), offset=-self.offset, spans=spans)
 
 
-def vertical_faces(mesh: Mesh, config: PlanConfig, *, outward: bool = True) -> list[Face]:
+def vertical_faces(
+    mesh: Mesh, config: PlanConfig, *, outward: bool = True, min_height: float = 0.0
+) -> list[Face]:
     """The vertical faces of a closed mesh (metres), largest first, coplanar facets merged.
 
-    Normals leave the body (walls), or point into it (rooms) when ``outward`` is false.
+    Normals leave the body (walls), or point into it (rooms) when ``outward`` is false. Stretches of
+    a face that are lower than ``min_height``, such as the strip above a niche, are faces of their
+    own.
     """
     corners = mesh.vertices[mesh.faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -86,7 +91,8 @@ def vertical_faces(mesh: Mesh, config: PlanConfig, *, outward: bool = True) -> l
     normal *= (1.0 if outward else -1.0) * _senses(mesh, corners, keep, normal)[:, None]
     corners, area = corners[keep], 0.5 * double[keep]
     groups = _coplanar(normal, corners, area, config)
-    return [f for g in groups for f in _faces(normal[g], corners[g], area[g], config.coplanar_gap)]
+    gap = config.coplanar_gap
+    return [f for g in groups for f in _faces(normal[g], corners[g], area[g], gap, min_height)]
 
 
 def _senses(mesh: Mesh, corners: Array, keep: NDArray[np.bool_], normal: Array) -> Array:
@@ -127,26 +133,74 @@ def _coplanar(
         yield np.flatnonzero(near)
 
 
-def _faces(normal: Array, corners: Array, area: Array, gap: float) -> Iterator[Face]:
+def _faces(
+    normal: Array, corners: Array, area: Array, gap: float, min_height: float
+) -> Iterator[Face]:
     """The faces in one plane: pieces farther apart than ``gap`` are faces of their own."""
     mean = area @ normal
     n = mean / math.hypot(mean[0], mean[1])
     along = corners[:, :, :2] @ np.array([n[1], -n[0]])
-    low, high = along.min(axis=1), along.max(axis=1)
     away = (corners[:, :, :2] @ n).sum(axis=1) / 3.0
-    bottom, top = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
-    for start, end in merged(zip(low.tolist(), high.tolist(), strict=True), gap):
-        mine = (low >= start) & (high <= end)
-        weight = area[mine]
-        size = float(weight.sum())
-        yield Face(
-            normal=(float(n[0]), float(n[1])),
-            offset=-float(weight @ away[mine]) / size,
-            spans=merged(zip(low[mine].tolist(), high[mine].tolist(), strict=True)),
-            bottom=float(bottom[mine].min()),
-            top=float(top[mine].max()),
-            area=size,
-        )
+    first, last = along.min(axis=1), along.max(axis=1)
+    for low, high, bottom, top in _stretches(along, corners[:, :, 2], min_height):
+        for start, end in merged(zip(low.tolist(), high.tolist(), strict=True), gap):
+            mine = (low >= start) & (high <= end)
+            weight = np.where((first < end - SHORT) & (last > start + SHORT), area, 0.0)
+            if not weight.any():
+                continue
+            yield Face(
+                normal=(float(n[0]), float(n[1])),
+                offset=-float(weight @ away / weight.sum()),
+                spans=merged(zip(low[mine].tolist(), high[mine].tolist(), strict=True)),
+                bottom=float(bottom[mine].min()),
+                top=float(top[mine].max()),
+            )
+
+
+def _stretches(
+    along: Array, z: Array, min_height: float
+) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Begin, end, bottom and top of the stretches of a face: the high ones, then the low ones.
+
+    Triangles given by their corners' places ``along`` (n, 3) and heights ``z`` (n, 3). A stretch is
+    as high as what its triangles cover together on the highest upright through it (gables).
+    """
+    cuts = np.unique(np.round(along, 4))
+    cuts = cuts[np.insert(np.diff(cuts) > SHORT, 0, True)]
+    count = len(along)
+    if min_height <= 0.0 or count <= 2 or len(cuts) < 3 or count * len(cuts) > MANY:
+        yield along.min(axis=1), along.max(axis=1), z.min(axis=1), z.max(axis=1)
+        return
+    start, end = cuts[:-1], cuts[1:]
+    inset = 0.1 * SHORT
+    uprights = [_covered(along, z, at) for at in (start + inset, 0.5 * (start + end), end - inset)]
+    heights = np.max([u[0] for u in uprights], axis=0)
+    bottom = np.min([u[1] for u in uprights], axis=0)
+    top = np.max([u[2] for u in uprights], axis=0)
+    for chosen in (heights >= min_height, (heights > 0.0) & (heights < min_height)):
+        if chosen.any():
+            yield start[chosen], end[chosen], bottom[chosen], top[chosen]
+
+
+def _covered(along: Array, z: Array, at: Array) -> tuple[Array, Array, Array]:
+    """On the uprights ``at`` (m,): the height that triangles cover, its lowest and highest point.
+
+    The lowest point is infinite, the highest minus that, where no triangle meets the upright.
+    """
+    u0, u1 = along[:, :, None], np.roll(along, -1, axis=1)[:, :, None]
+    z0, z1 = z[:, :, None], np.roll(z, -1, axis=1)[:, :, None]
+    crosses = (np.minimum(u0, u1) <= at) & (at <= np.maximum(u0, u1)) & (u0 != u1)
+    share = (at - u0) / np.where(u0 == u1, 1.0, u1 - u0)
+    met = np.where(crosses, z0 + share * (z1 - z0), np.nan)
+    hit = crosses.any(axis=1)
+    low = np.where(hit, np.min(met, axis=1, initial=np.inf, where=crosses), np.inf)
+    high = np.where(hit, np.max(met, axis=1, initial=-np.inf, where=crosses), -np.inf)
+    order = np.argsort(low, axis=0)
+    low, high = np.take_along_axis(low, order, axis=0), np.take_along_axis(high, order, axis=0)
+    reached = np.maximum.accumulate(high, axis=0)
+    before = np.vstack([np.full((1, len(at)), -np.inf), reached[:-1]])
+    new = np.where(np.isfinite(low), high - np.maximum(low, before), 0.0)
+    return np.maximum(new, 0.0).sum(axis=0), low[0], reached[-1]
 
 
 def merged(spans: Iterable[Span], gap: float = 1e-3) -> tuple[Span, ...]:

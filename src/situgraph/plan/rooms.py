@@ -43,10 +43,10 @@ def room_shape(element: Element, config: PlanConfig) -> RoomShape | None:
     pieces = footprint(mesh)
     if not pieces:
         return None
-    found = vertical_faces(mesh, config, outward=False)
     bottom, top = float(mesh.low[2]), float(mesh.high[2])
     # A low attic has low walls: there half the room's own height is enough.
     height = min(config.min_face_height, 0.5 * (top - bottom))
+    found = vertical_faces(mesh, config, outward=False, min_height=height)
     kept = [f for f in found if f.length >= config.min_face_length and f.height >= height]
     return RoomShape(
         element=element,
