@@ -33,6 +33,9 @@ COMMANDS = {
 }
 
 
+LONGEST_REASON = 300  # characters of an internal error; compilers tell whole stories
+
+
 class LazyGroup(click.Group):
     """A group that imports a command only when it is called, so that ``--help`` stays fast."""
 
@@ -98,11 +101,9 @@ def _report(error: Exception) -> NoReturn:
     """An internal error: one sentence, and the traceback for those who ask for it."""
     if os.environ.get("SITUGRAPH_DEBUG"):
         raise error
-    _fail(
-        f"internal error, {type(error).__name__}: {error}; set SITUGRAPH_DEBUG=1 to see the "
-        "traceback, and please report it",
-        1,
-    )
+    reason = f"{type(error).__name__}: {error}"[:LONGEST_REASON]
+    remedy = "set SITUGRAPH_DEBUG=1 to see the traceback, and please report it"
+    _fail(f"internal error, {reason}; {remedy}", 1)
 
 
 def _end_output() -> None:
