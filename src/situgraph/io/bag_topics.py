@@ -22,7 +22,7 @@ _TYPES: Mapping[str, tuple[str, ...]] = {
     "camera_info": ("sensor_msgs/msg/CameraInfo",),
     "odometry": ("nav_msgs/msg/Odometry",),
 }
-TRANSFORMS = "tf2_msgs/msg/TFMessage"
+TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 # The optical frame in a camera that looks along base's x axis.
 FORWARD: Pose = (0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5)
 _LINKS = 50  # of a chain of transforms

@@ -55,7 +55,7 @@ class BagRecording:
                 for name, t in sorted(reader.topics.items())
             ]
             self._roles = choose_topics(present, topics or {}, self._path, self._opening)
-            self._dynamic = [t.name for t in present if t.type == TRANSFORMS and t.name == "/tf"]
+            self._dynamic = [t.name for t in present if t.type in TRANSFORMS and t.name == "/tf"]
             self._intrinsics = self._read_intrinsics(reader)
             lidar, camera = self._read_mounts(reader, present)
             start = reader.start_time / 1e9
@@ -161,7 +161,7 @@ class BagRecording:
     def _read_mounts(self, reader: Any, present: list[Topic]) -> tuple[Pose | None, Pose | None]:
         """The poses of LiDAR and camera in base."""
         tree = Transforms()
-        static = [t.name for t in present if t.type == TRANSFORMS]
+        static = [t.name for t in present if t.type in TRANSFORMS]
         for _, _, message in itertools.islice(self._raw(reader, static), _HEAD):
             tree.add(message.transforms)
         base = "base_link"
