@@ -21,8 +21,8 @@ class WorldConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     """The building that is driven through: what the plan leaves open, and how it deviates."""
 
     texture_seed: Annotated[
-        int | None,
-        _meta("Paints, textures, lights; none: the simulation's seed", "", _CHOICE, ge=0),
+        Annotated[int, msgspec.Meta(ge=0)] | None,
+        _meta("Paints, textures, lights; none: the simulation's seed", "", _CHOICE),
     ] = None
     storey_height: Annotated[
         float, _meta("Room height where the plan has none", "m", _CHOICE, ge=2, le=20)
