@@ -1,0 +1,135 @@
+"""Which map plane is each piece of wall a keyframe sees.
+
+First the keyframe is aligned as a whole: the small motion in the plan under which most of its
+pieces lie on map planes (iteratively reweighted least squares, the gate closing from half a
+cupboard to a few centimetres). Then each piece takes the nearest plane within the gate. Front and
+back of a wall differ by the direction of their normals and are never confused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from situgraph.geometry.poses import Array, rotation2, wrap_angle
+from situgraph.slam.config import MapConfig
+from situgraph.slam.planemap import MapPlane
+from situgraph.slam.sightings import Sighting
+
+ROUNDS = 6
+
+
+class Association(NamedTuple):
+    """``correction`` (3,) x, y, yaw about the robot, in the map; ``plane`` a piece or None."""
+
+    correction: Array
+    plane: list[int | None]
+
+
+def associate(
+    pieces: Sequence[Sighting],
+    level: Array,
+    planes: Sequence[MapPlane],
+    config: MapConfig,
+) -> Association:
+    """Pair the pieces of a keyframe with map planes.
+
+    Args:
+        pieces: as seen, in the level frame of the keyframe.
+        level: (3,) x, y, yaw of that level frame in the map, as predicted.
+        planes: the candidates, those of the keyframe's storey.
+        config: gates.
+    """
+    if not pieces or not planes:
+        return Association(np.zeros(3), [None] * len(pieces))
+    angles = np.array([s.angle for s in pieces])
+    middles = np.array([s.ends.mean(axis=0) for s in pieces])
+    halves = np.array([s.length / 2 for s in pieces])
+    turn_weights = np.array([1.0 / (s.covariance[0, 0] + 1e-4) for s in pieces])
+    weights = np.array([_weight(s, config) for s in pieces])
+    normals = np.array([p.normal for p in planes])
+    offsets = np.array([p.offset for p in planes])
+    facing = np.arctan2(normals[:, 1], normals[:, 0])
+
+    correction = np.zeros(3)
+    prior = np.array([config.sigma_position, config.sigma_position, config.sigma_yaw]) ** -2.0
+    near = np.zeros((len(pieces), len(planes)), dtype=bool)
+    for step in range(ROUNDS):
+        yaw = level[2] + correction[2]
+        centre = level[:2] + correction[:2]
+        arms = middles @ rotation2(yaw).T
+        turn = wrap_angle(angles[:, None] + yaw - facing[None, :])
+        across = (centre + arms) @ normals.T + offsets
+        if step in (0, 2):  # which planes reach so far hardly changes with the correction
+            near = _near(centre + arms, halves, planes, config.gap)
+        gate = max(config.search * 0.6**step, config.offset)
+        cost = np.where(near & (np.abs(turn) < config.angle), np.abs(across), np.inf)
+        best = cost.argmin(axis=1)
+        rows = np.flatnonzero(cost[np.arange(len(pieces)), best] < gate)
+        if len(rows) == 0:
+            break
+        n, r = normals[best[rows]], across[rows, best[rows]]
+        # moving by (x, y) and turning by t changes the distance by n.(x, y) + t n.(z cross arm)
+        lever = n[:, 1] * arms[rows, 0] - n[:, 0] * arms[rows, 1]
+        jacobian = np.column_stack([n, lever])
+        w = weights[rows] / (1.0 + (r / (0.5 * gate)) ** 2)
+        turns = np.zeros((len(rows), 3))
+        turns[:, 2] = 1.0
+        turn_weight = turn_weights[rows]
+        information = (
+            np.diag(prior)
+            + (jacobian * w[:, None]).T @ jacobian
+            + (turns * turn_weight[:, None]).T @ turns
+        )
+        right = (
+            -prior * correction
+            - jacobian.T @ (w * r)
+            - turns.T @ (turn_weight * turn[rows, best[rows]])
+        )
+        correction = correction + np.linalg.solve(information, right)
+    return Association(
+        correction,
+        _pairs(pieces, level + correction, planes, normals, offsets, facing, config),
+    )
+
+
+def _weight(piece: Sighting, config: MapConfig) -> float:
+    shift = piece.covariance[1, 1] - piece.covariance[0, 1] ** 2 / piece.covariance[0, 0]
+    return float(1.0 / (max(shift, 0.0) + (0.3 * config.offset) ** 2))
+
+
+def _near(middles: Array, halves: Array, planes: Sequence[MapPlane], gap: float) -> Array:
+    out = np.zeros((len(middles), len(planes)), dtype=bool)
+    for j, plane in enumerate(planes):
+        along = middles @ plane.tangent
+        low, high = along - halves, along + halves
+        for a, b in plane.intervals:
+            out[:, j] |= (a - high <= gap) & (low - b <= gap)
+    return out
+
+
+def _pairs(
+    pieces: Sequence[Sighting],
+    level: Array,
+    planes: Sequence[MapPlane],
+    normals: Array,
+    offsets: Array,
+    facing: Array,
+    config: MapConfig,
+) -> list[int | None]:
+    out: list[int | None] = []
+    rotation = rotation2(level[2])
+    middles = np.array([s.ends.mean(axis=0) for s in pieces]) @ rotation.T + level[:2]
+    halves = np.array([s.length / 2 for s in pieces])
+    near = _near(middles, halves, planes, config.gap)
+    for i, piece in enumerate(pieces):
+        turn = np.abs(wrap_angle(piece.angle + level[2] - facing))
+        across = np.abs(normals @ middles[i] + offsets)
+        angle_gate = config.angle / 2 + 2.0 * np.sqrt(piece.covariance[0, 0])
+        fits = near[i] & (turn < min(angle_gate, config.angle)) & (across < config.offset)
+        out.append(
+            planes[int(np.where(fits, across, np.inf).argmin())].number if fits.any() else None
+        )
+    return out

@@ -1,0 +1,177 @@
+"""Vertical planes of one scan: Hough over direction, then offset, then trimmed least squares.
+
+The votes are surface directions, not point pairs: first the few directions walls have, then, for
+each, the offsets at which points lie. Each straight piece without a gap is fitted on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from situgraph.geometry.poses import Array, wrap_angle
+from situgraph.slam.config import PlaneConfig
+
+ANGLE_BINS = 360
+VOTE_WIDTH = np.radians(10.0)  # how far a point's own direction may lie from its wall's
+
+
+class Sighting(NamedTuple):
+    """A straight piece of wall in one scan. Level frame of the scan, origin at the sensor.
+
+    ``angle`` of the unit normal towards the sensor and ``offset`` > 0 (m):
+    x cos(angle) + y sin(angle) + offset = 0. ``ends`` (2, 2) in the plan, ``covariance`` (2, 2) of
+    (angle, offset), ``low`` and ``high`` (m) of its points, ``points`` and their ``rms`` (m).
+    """
+
+    angle: float
+    offset: float
+    ends: Array
+    covariance: Array
+    low: float
+    high: float
+    points: int
+    rms: float
+
+    @property
+    def normal(self) -> Array:
+        """Unit normal (2,) in the plan."""
+        return np.array([np.cos(self.angle), np.sin(self.angle)])
+
+    @property
+    def length(self) -> float:
+        """Metres from end to end."""
+        return float(np.linalg.norm(self.ends[1] - self.ends[0]))
+
+
+def sightings(points: Array, angles: Array, config: PlaneConfig) -> list[Sighting]:
+    """Wall pieces among ``points`` (n, 3) that face the ``angles`` (n,), longest first."""
+    found: list[Sighting] = []
+    left = np.ones(len(points), dtype=bool)
+    for angle in _directions(angles, config):
+        facing = left & (np.abs(wrap_angle(angles - angle)) < VOTE_WIDTH)
+        for group in _offsets(points, facing, angle, config):
+            for piece in _pieces(points, group, angle, config):
+                sighting, members = _fit(points, piece, angle, config)
+                if sighting is not None:
+                    found.append(sighting)
+                    left[members] = False
+    return sorted(found, key=lambda s: -s.length)
+
+
+def _directions(angles: Array, config: PlaneConfig) -> Iterator[float]:
+    """Peaks of the histogram of angles, strongest first, each one's votes removed after it."""
+    angles = angles.copy()
+    for _ in range(config.directions):
+        if len(angles) < config.least_points:
+            return
+        bins = (angles / (2 * np.pi) * ANGLE_BINS).astype(int) % ANGLE_BINS
+        votes = np.bincount(bins, minlength=ANGLE_BINS).astype(float)
+        smooth = sum(np.roll(votes, k) * (3 - abs(k)) for k in range(-2, 3))
+        peak = (int(np.argmax(smooth)) + 0.5) / ANGLE_BINS * 2 * np.pi
+        for width in (np.radians(4.0), np.radians(3.0)):
+            near = np.abs(wrap_angle(angles - peak)) < width
+            if not near.any():
+                return
+            peak += float(np.mean(wrap_angle(angles[near] - peak)))
+        if near.sum() < config.least_points:
+            return
+        yield float(wrap_angle(peak))
+        angles = angles[np.abs(wrap_angle(angles - peak)) >= VOTE_WIDTH / 2]
+
+
+def _offsets(
+    points: Array, facing: NDArray[np.bool_], angle: float, config: PlaneConfig
+) -> Iterator[NDArray[np.intp]]:
+    """Groups of the ``facing`` points that share an offset, strongest first."""
+    index = np.flatnonzero(facing)
+    offset = -points[index, :2] @ (np.cos(angle), np.sin(angle))
+    index, offset = index[offset > 0.0], offset[offset > 0.0]
+    while len(index) >= config.least_points:
+        bins = (offset / config.offset_bin).astype(int)
+        votes = np.bincount(bins, minlength=3)
+        pair = votes[:-1] + votes[1:]
+        k = int(np.argmax(pair))
+        if pair[k] < config.least_points:
+            return
+        middle = (k + 1) * config.offset_bin
+        near = np.abs(offset - middle) < 1.5 * config.offset_bin
+        middle = float(np.median(offset[near]))
+        near = np.abs(offset - middle) < 1.5 * config.offset_bin
+        yield index[near]
+        index, offset = index[~near], offset[~near]
+
+
+def _pieces(
+    points: Array, group: NDArray[np.intp], angle: float, config: PlaneConfig
+) -> Iterator[NDArray[np.intp]]:
+    """The group cut where nothing lies on the line for more than a gap; far points lie wider."""
+    xy = points[group, :2]
+    along = xy @ (-np.sin(angle), np.cos(angle))
+    order = np.argsort(along, kind="stable")
+    step = np.diff(along[order])
+    reach = np.linalg.norm(xy[order], axis=1)
+    gap = config.gap + 0.02 * np.minimum(reach[:-1], reach[1:])
+    for piece in np.split(order, np.flatnonzero(step > gap) + 1):
+        if len(piece) >= config.least_points:
+            yield group[piece]
+
+
+def _fit(
+    points: Array, piece: NDArray[np.intp], angle: float, config: PlaneConfig
+) -> tuple[Sighting | None, NDArray[np.intp]]:
+    """A line through the piece, refitted to the points near it; None when it is no wall."""
+    members = piece
+    for width in (2.0, 1.5, 1.0):
+        if len(members) < config.least_points:
+            return None, members
+        xy = points[members, :2]
+        centre = xy.mean(axis=0)
+        _, _, axes = np.linalg.svd(xy - centre, full_matrices=False)
+        normal = axes[1]
+        if normal @ centre > 0:
+            normal = -normal
+        offset = -float(normal @ centre)
+        if np.abs(wrap_angle(np.arctan2(normal[1], normal[0]) - angle)) > VOTE_WIDTH:
+            return None, members
+        residual = points[piece, :2] @ normal + offset
+        members = piece[np.abs(residual) < width * config.thickness]
+    if len(members) < config.least_points:
+        return None, members
+    tangent = np.array([-normal[1], normal[0]])
+    along = points[members, :2] @ tangent
+    rms = float(np.sqrt(np.mean((points[members, :2] @ normal + offset) ** 2)))
+    low, high = float(along.min()), float(along.max())
+    if high - low < config.least_length:
+        return None, members
+    foot = -offset * normal
+    return (
+        Sighting(
+            float(np.arctan2(normal[1], normal[0])),
+            offset,
+            np.array([foot + low * tangent, foot + high * tangent]),
+            _covariance(along, rms, config),
+            float(points[members, 2].min()),
+            float(points[members, 2].max()),
+            len(members),
+            rms,
+        ),
+        members,
+    )
+
+
+def _covariance(along: Array, rms: float, config: PlaneConfig) -> Array:
+    """Covariance of (angle, offset): of the line fit, plus what does not average out.
+
+    A turn by t about the middle of the piece changes the offset at the sensor by t x middle.
+    """
+    noise = max(rms, config.range_sigma)
+    middle = float(along.mean())
+    spread = float(((along - middle) ** 2).sum())
+    turn = noise**2 / max(spread, 1e-6) + config.angle_floor**2
+    shift = noise**2 / len(along) + config.offset_floor**2
+    # x(s) = -offset n + s t; turning the normal by +e moves the line at s by -s e.
+    return np.array([[turn, -turn * middle], [-turn * middle, shift + turn * middle**2]])

@@ -1,0 +1,45 @@
+"""A drive through an analytic world becomes a scene graph."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from situgraph.scenegraph.codec import validate
+from situgraph.slam.slam import Slam
+from tests.slam.worlds import Sweep, World, drive
+
+
+def one_room() -> World:
+    world = World()
+    for a, b in (((0, 0), (6, 0)), ((6, 0), (6, 5)), ((6, 5), (0, 5)), ((0, 5), (0, 0))):
+        world.wall(a, b)
+    return world
+
+
+@pytest.fixture(scope="module")
+def driven() -> tuple[Slam, list[Sweep]]:
+    slam = Slam()
+    sweeps = list(drive(one_room(), [(1.5, 1.5), (4.5, 1.5), (4.5, 3.5)], columns=360))
+    for sweep in sweeps:
+        slam.feed_odometry(sweep.stamp, sweep.odometry)
+        slam.feed_scan(sweep.stamp, sweep.points, sweep.times)
+    return slam, sweeps
+
+
+def test_the_trajectory_follows_the_robot(driven: tuple[Slam, list[Sweep]]) -> None:
+    slam, sweeps = driven
+    stamps, poses = slam.trajectory()
+    truth = np.array([s.truth for s in sweeps])
+    assert stamps.tolist() == [s.stamp for s in sweeps]
+    error = (poses - poses[0])[:, :2] - (truth - truth[0])[:, :2]
+    assert np.abs(error).max() < 0.03
+
+
+def test_the_four_walls_are_planes_that_face_the_room(driven: tuple[Slam, list[Sweep]]) -> None:
+    slam, sweeps = driven
+    graph = validate(slam.scene_graph(), "test")
+    assert graph.kind == "online"
+    long = [p for p in graph.planes if float(p.attributes["length"] or 0) > 2]  # type: ignore[arg-type]
+    found = sorted((round(p.normal[0]), round(p.normal[1]), round(p.offset, 1)) for p in long)
+    assert found == [(-1, 0, 5.9), (0, -1, 4.9), (0, 1, -0.1), (1, 0, -0.1)]
