@@ -28,6 +28,7 @@ _SIZES: dict[str, tuple[float, float, float]] = {
 }
 _USUAL = (0.35, 0.3, 0.5)
 _LEG = 0.025  # m, half the thickness of a table leg
+_STEP = 0.18  # m, height of a stair's step
 
 Put = Callable[[tuple[float, float, float], tuple[float, float, float]], None]
 
@@ -78,8 +79,10 @@ def build(mesh: MeshBuilder, category: str, solid: Solid, part: int) -> None:
         _chair(put, hx, hy)
     elif category == "radiator":
         _fins(put, hx)
-    elif category in {"shelf"}:
+    elif category == "shelf":
         _shelf(put)
+    elif category in {"stair", "stairs"}:
+        _steps(put, hx, hy, hz)
     elif category == "sofa":
         put((0, 0, -0.45), (1, 1, 0.55))
         put((0, 0.8, 0.55), (1, 0.2, 0.45))
@@ -118,6 +121,17 @@ def _fins(put: Put, hx: float) -> None:
     count = max(int(hx / 0.05), 1)
     for i in range(count):
         put(((2 * i + 1) / count - 1, 0, 0), (0.5 / count, 1, 1))
+
+
+def _steps(put: Put, hx: float, hy: float, hz: float) -> None:
+    """Steps up the longer side; where a plan says no more, up its own axis."""
+    count = max(round(2 * hz / _STEP), 1)
+    for i in range(count):
+        along, up = (2 * i + 1) / count - 1, (i + 1) / count
+        if hx >= hy:
+            put((along, 0, up - 1), (1 / count, 1, up))
+        else:
+            put((0, along, up - 1), (1, 1 / count, up))
 
 
 def _shelf(put: Put) -> None:
