@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 
 import msgspec
 import numpy as np
@@ -26,7 +27,7 @@ class Shape(msgspec.Struct, frozen=True):
     outline: Outline | None
 
 
-class Floor(msgspec.Struct, frozen=True):
+class Floor(msgspec.Struct, frozen=True, dict=True):
     """One storey. ``key`` is its id, or None where the graph names no storey."""
 
     key: str | None
@@ -37,7 +38,15 @@ class Floor(msgspec.Struct, frozen=True):
     openings: tuple[Opening, ...]
     objects: tuple[Object, ...]
     path: Array
-    walls: Walls
+    config: ViewConfig
+
+    @cached_property
+    def walls(self) -> Walls:
+        """Wall bodies, worked out when they are first drawn; none where there are many rooms."""
+        if len(self.rooms) > self.config.detail_rooms:
+            return Walls()
+        drawn = [s.outline.polygon for s in self.rooms if s.outline is not None]
+        return wall_bodies(drawn, self.faces, self.openings, self.config)
 
     def loose_faces(self) -> Faces:
         """Faces that bound no room, end somewhere and are not the back of a wall."""
@@ -95,8 +104,8 @@ def survey(graph: SceneGraph, config: ViewConfig) -> Building:
     return Building(graph, tuple(f for f in floors if len(f.points())))
 
 
-def cropped(floor: Floor, bounds: tuple[float, float, float, float], config: ViewConfig) -> Floor:
-    """The part of a storey in ``bounds`` (m), with wall bodies if few enough rooms are left."""
+def cropped(floor: Floor, bounds: tuple[float, float, float, float]) -> Floor:
+    """The part of a storey in ``bounds`` (m)."""
     x0, y0, x1, y1 = bounds
 
     def inside(points: Array) -> bool:
@@ -111,15 +120,12 @@ def cropped(floor: Floor, bounds: tuple[float, float, float, float], config: Vie
     near = (low < (x1, y1)).all(axis=1) & (high > (x0, y0)).all(axis=1)
     faces = floor.faces.only(near)
     openings = tuple(o for o in floor.openings if inside(o.middle[None]))
-    drawn = [s.outline.polygon for s in rooms if s.outline is not None]
-    few = len(rooms) <= config.detail_rooms
     return msgspec.structs.replace(
         floor,
         rooms=rooms,
         faces=faces,
         openings=openings,
         objects=tuple(o for o in floor.objects if inside(np.array([o.center[:2]]))),
-        walls=wall_bodies(drawn, faces, openings, config) if few else Walls(),
     )
 
 
@@ -169,8 +175,6 @@ def _floor(
     shapes = tuple(
         Shape(r.id, r.name or r.id, np.array(r.center[:2]), outlines.get(r.id)) for r in rooms
     )
-    drawn = [s.outline.polygon for s in shapes if s.outline is not None]
-    detailed = len(shapes) <= config.detail_rooms
     path = [k.pose[:2] for k in graph.keyframes if level.frame[k.id] == key]
     return Floor(
         key,
@@ -181,5 +185,5 @@ def _floor(
         openings,
         others,
         np.array(path, dtype=float).reshape(-1, 2),
-        wall_bodies(drawn, faces, openings, config) if detailed else Walls(),
+        config,
     )

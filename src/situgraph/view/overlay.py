@@ -111,9 +111,10 @@ def draw_overlay(
 ) -> None:
     """The plan of a storey in grey, and on it what was seen of it, in colour."""
     plan = over.prior.floors[level]
-    if len(plan.rooms) > config.detail_rooms:
-        x0, y0, x1, y1 = bounds
-        plan = cropped(plan, (x0 - _BEYOND, y0 - _BEYOND, x1 + _BEYOND, y1 + _BEYOND), config)
+    x0, y0, x1, y1 = bounds
+    size = np.ptp(plan.points(), axis=0)
+    if (x1 - x0) * (y1 - y0) < 0.5 * np.prod(size):
+        plan = cropped(plan, (x0 - _BEYOND, y0 - _BEYOND, x1 + _BEYOND, y1 + _BEYOND))
     draw_floor(axes, plan, scale, UNDER)
     _tint(axes, plan.rooms, over.plan_colors)
     for floor in over.levels.get(level, ()):
