@@ -18,7 +18,7 @@ from situgraph.experiments.oracle.answer import (
     motion_of,
     same,
 )
-from situgraph.experiments.oracle.explained import Motion, View
+from situgraph.experiments.oracle.explained import FIT, View
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.experiments.oracle.regions import Regions
 from situgraph.geometry.poses import Placement
@@ -76,7 +76,7 @@ def compare(online: SceneGraph, prior: SceneGraph, problem: Problem) -> Comparis
     missed = [
         _told(start, top)
         for start, top in zip(own.feasible, own.peaks)
-        if not _covered(problem, start.motion, views) and not _covered(problem, top.motion, views)
+        if not any(_covers(problem, v, start) or same(problem, v.motion, top.motion) for v in views)
     ]
     invented = [f"invented {p}" for p, v in zip(placements, views) if not v.feasible]
     # Placements that the grid of yaws passed over count once they are seen to be feasible.
@@ -105,8 +105,13 @@ def _placement(solution: Mapping[str, Any]) -> Placement:
     return Placement(**{k: float(solution["transform"][k]) for k in ("x", "y", "z", "yaw")})
 
 
-def _covered(problem: Problem, motion: Motion, views: Sequence[View]) -> bool:
-    return any(same(problem, motion, v.motion) for v in views)
+def _covers(problem: Problem, listed: View, start: View) -> bool:
+    """Whether a candidate is the same as a feasible placement, or all walls that fit there fit."""
+    return same(problem, listed.motion, start.motion) or _fitting(start) <= _fitting(listed)
+
+
+def _fitting(seen: View) -> set[tuple[int, int, int, int | None]]:
+    return {(p.r, p.a, w.i, w.j) for p in seen.pairs for w in p.planes if w.state == FIT}
 
 
 def _unlike(problem: Problem, truth: Answer, reported: Sequence[Placement]) -> list[str]:

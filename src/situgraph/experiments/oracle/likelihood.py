@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 
 import numpy as np
 
@@ -80,10 +80,13 @@ def log_weight_outside(problem: Problem, regions: Regions) -> float:
     """Ln W of 'not in this plan': another building is made of similar rooms."""
     c = problem.constants
     total = math.log(c.outside_prior)
-    gain = (c.clutter_length / (2 * c.fit_limit)) ** 2
+    sharing = Counter(plane for mine in problem.seen for plane in mine.planes)
     for r, mine in enumerate(problem.seen):
-        if len(mine.planes) < 3:
-            continue
+        # A room is placed by two of its walls, the others are its shape; a wall that bounds several
+        # rooms is shared out among them.
+        own = sum(1 / sharing[plane] for plane in mine.planes)
+        walls = max(0.0, min(c.shape_walls, own) - 2)
         alike = sum(regions.fits_somewhere(r, a) for a in range(len(problem.planned)))
-        total += math.log(1 + alike / len(problem.planned) * gain)
+        gain = (c.clutter_length / (2 * c.fit_limit)) ** walls
+        total += math.log(1 + alike / len(problem.planned) * gain) if walls > 0 else 0.0
     return total
