@@ -228,6 +228,9 @@ def test_open_plan_is_virtual(ifc: Path) -> None:
 # Rooms found from walls alone against the spaces of the same file. Open plan and full-height
 # furnishing walls cost some (docs/plan.md).
 DERIVED = {
+    "AC20-FZK-Haus": 0.4,
+    "ADT-FZK-Haus-2005-2006": 0.4,
+    "Duplex_A_20110907": 0.35,
     "AC11-Institute-Var-2-IFC": 0.95,
     "ExampleHOM": 0.9,
     "Office_A_20110811": 0.75,
@@ -236,18 +239,9 @@ DERIVED = {
 
 
 @pytest.mark.parametrize(("name", "share"), DERIVED.items())
-def test_rooms_from_walls_against_spaces(
-    ifc: Path, name: str, share: float, tmp_path: Path
-) -> None:
+def test_rooms_from_walls_against_spaces(ifc: Path, name: str, share: float) -> None:
     truth = graph_of(ifc, name)
-    # Without spaces the same file has to give about the same rooms.
-    text = (ifc / f"{name}.ifc").read_text(encoding="latin-1").replace("IFCSPACE(", "IFCZONELESS(")
-    model = model_of(ifc / f"{name}.ifc")
-    lines = [line for line in text.splitlines() if "IFCZONELESS(" not in line]
-    assert model.schema
-    path = tmp_path / "walls.ifc"
-    path.write_text("\n".join(lines), encoding="latin-1")
-    found = read_ifc(path, PlanConfig(isolate=False))
+    found = read_ifc(ifc / f"{name}.ifc", PlanConfig(isolate=False, ignore_spaces=True))
     assert "rooms-derived" in {w.code for w in found.warnings}
     shapes = [Polygon(r.footprint) for r in found.rooms]
     tree = STRtree(shapes)
@@ -261,6 +255,7 @@ def test_rooms_from_walls_against_spaces(
             if near and overlap > 0.85:
                 good += 1
                 break
+    print(f"{name}: {good} of {len(truth.rooms)} rooms")  # pytest -s shows it, docs/plan.md has it
     assert good >= share * len(truth.rooms)
 
 

@@ -11,6 +11,8 @@ from situgraph.cli.console import console, emit_json, print_table, progress
 from situgraph.cli.options import json_option, output_option, settings_options
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from situgraph.config import Settings
     from situgraph.plan.report import PlanReport
     from situgraph.scenegraph.graph import SceneGraph
@@ -24,10 +26,22 @@ SHOWN = 40  # warnings listed for people; the JSON holds them all
 @click.option(
     "--table", is_flag=True, help="One row a file on stdout: Markdown, or figures with --json."
 )
+@click.option(
+    "--repeat",
+    type=click.IntRange(1, 100),
+    default=1,
+    show_default=True,
+    help="Read each file so often; the quickest time counts.",
+)
 @settings_options
 @json_option
 def command(
-    building: tuple[Path, ...], output: Path | None, table: bool, settings: Settings, as_json: bool
+    building: tuple[Path, ...],
+    output: Path | None,
+    table: bool,
+    repeat: int,
+    settings: Settings,
+    as_json: bool,
 ) -> None:
     """Read BUILDING (.ifc or .osm) as an A-Graph and say what is odd about the model.
 
@@ -43,7 +57,7 @@ def command(
     reports = []
     with progress("reading", len(building), quiet=as_json) as advance:
         for path in building:
-            graph, report = plan_report(path, settings.plan)
+            graph, report = plan_report(path, settings.plan, repeat)
             reports.append(report)
             advance()
     if output is not None:
@@ -63,7 +77,7 @@ def _show(graph: SceneGraph, report: PlanReport, output: Path | None) -> None:
     rows += [
         ("planes", report.planes),
         ("  virtual", report.virtual_planes),
-        ("perimeter", f"{report.perimeter:.0f} m, {report.backed:.1%} with a wall behind"),
+        ("perimeter", _perimeter(report, " with a wall behind")),
     ]
     for category, count in report.objects.items():
         rows.append((f"{category} objects", count))
@@ -106,9 +120,9 @@ def markdown(reports: list[PlanReport]) -> str:
             str(len(r.rooms_by_storey)),
             f"{r.rooms}{derived}",
             f"{r.planes} ({r.virtual_planes})",
-            f"{r.perimeter:.0f} m, {r.backed:.1%}",
+            _perimeter(r),
             _counts(r.opening_relations["door"]),
-            _counts(r.opening_relations["window"]),
+            _counts(r.opening_relations["window"]) or "-",
             ", ".join(_agreement(r, category) for category in ("door", "window")),
             _counts(r.warnings) or "none",
             f"{r.seconds:.2f}",
@@ -118,13 +132,15 @@ def markdown(reports: list[PlanReport]) -> str:
     return "\n".join(lines)
 
 
-def _counts(counts: object) -> str:
-    from collections.abc import Mapping
+def _perimeter(report: PlanReport, what: str = "") -> str:
+    share = "" if report.backed is None else f", {report.backed:.1%}{what}"
+    return f"{report.perimeter:.0f} m{share}"
 
-    assert isinstance(counts, Mapping)
+
+def _counts(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{key}: {count}" for key, count in counts.items())
 
 
 def _agreement(report: PlanReport, category: str) -> str:
     found = report.boundaries[category]
-    return f"{found['agreed']}/{found['checked']}" if found["checked"] else "no boundaries"
+    return f"{found['agreed']}/{found['checked']}" if found["checked"] else "-"

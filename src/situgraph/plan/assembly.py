@@ -30,7 +30,8 @@ def assemble(building: Building, config: PlanConfig) -> SceneGraph:
     walls = wall_faces(building.walls, config)
     contents = find_contents(building, walls, shapes, config)
     placed = contents.placed
-    audited = audit(building, placed, shapes)
+    # Boundaries name spaces; derived rooms are none.
+    audited = audit({} if derived else building.boundaries, placed, shapes)
     planes, plane_ids = _planes(shapes, walls, building, config)
     rooms = tuple(_room(i, s, storeys, plane_ids[i], derived) for i, s in enumerate(shapes))
     objects = tuple(_object(i, p, plane_ids, audited, config) for i, p in enumerate(placed))

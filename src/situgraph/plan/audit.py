@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from situgraph.plan.building import Building
 from situgraph.plan.contents import Placed
 from situgraph.plan.rooms import RoomShape
 from situgraph.scenegraph.graph import Scalar, Warning
@@ -31,17 +30,20 @@ class Audit(msgspec.Struct, frozen=True):
         return out
 
 
-def audit(building: Building, placed: Sequence[Placed], rooms: Sequence[RoomShape]) -> Audit:
+def audit(
+    boundaries: Mapping[int, Sequence[int]], placed: Sequence[Placed], rooms: Sequence[RoomShape]
+) -> Audit:
     """Compare the rooms found by geometry with those the file's space boundaries name.
 
-    A door or window is checked when at least one space boundary names it.
+    A door or window is checked when at least one space boundary names it. ``boundaries`` gives the
+    spaces (keys) by the key of the door or window.
     """
     names = {room.element.key: room.element.name or room.element.guid for room in rooms}
     checked: dict[str, int] = {}
     agreed: dict[str, int] = {}
     differing: dict[int, tuple[str, ...]] = {}
     for number, item in enumerate(placed):
-        said = building.boundaries.get(item.source.key)
+        said = boundaries.get(item.source.key)
         if said is None or item.category not in ("door", "window"):
             continue
         known = {key for key in said if key in names}

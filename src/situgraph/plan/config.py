@@ -91,6 +91,9 @@ class PlanConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
         float,
         _meta("Coordinates beyond this are shifted to the origin", "m", _SURVEY, gt=0, le=1e6),
     ] = 1000.0
+    ignore_spaces: Annotated[
+        bool, _meta("Derive rooms from walls even where the model has spaces", "", "user's choice")
+    ] = False
     cut_height: Annotated[
         float,
         _meta(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -106,11 +107,45 @@ def _holes(crossing: Sequence[Polygon], config: PlanConfig) -> Iterator[Polygon]
 def _slabs_around(
     hole: Polygon, cut: float, slabs: Sequence[Element]
 ) -> tuple[float | None, float | None]:
-    """The nearest slab surfaces below and above the cut at a point of the room, if any."""
+    """The slab surfaces below and above the cut under most of the room, if any.
+
+    Most of it, because the floor of a landing ends where the stairs begin.
+    """
+    below: list[float] = []
+    above: list[float] = []
+    for x, y in _samples(hole):
+        over = (s.mesh for s in slabs if _covers(s.mesh, x, y))
+        heights = [z for mesh in over for z in _heights(mesh, x, y)]
+        below += [max((z for z in heights if z <= cut), default=-np.inf)]
+        above += [min((z for z in heights if z > cut), default=np.inf)]
+    return _usual(below), _usual(above)
+
+
+def _samples(hole: Polygon) -> list[tuple[float, float]]:
+    """Points spread over a room: those of a 5 x 5 grid that lie in it, else one point."""
+    import shapely
+
+    x0, y0, x1, y1 = hole.bounds
+    shares = (np.arange(5) + 0.5) / 5.0
+    x, y = (g.ravel() for g in np.meshgrid(x0 + shares * (x1 - x0), y0 + shares * (y1 - y0)))
+    inside = shapely.contains_xy(hole, x, y)
+    if inside.any():
+        return list(zip(x[inside].tolist(), y[inside].tolist(), strict=True))
     point = hole.representative_point()
-    heights = [z for slab in slabs for z in _heights(slab.mesh, float(point.x), float(point.y))]
-    below, above = [z for z in heights if z <= cut], [z for z in heights if z > cut]
-    return max(below, default=None), min(above, default=None)
+    return [(float(point.x), float(point.y))]
+
+
+def _covers(mesh: Mesh, x: float, y: float) -> bool:
+    (x0, y0, _), (x1, y1, _) = mesh.low, mesh.high
+    return bool(x0 <= x <= x1 and y0 <= y <= y1)
+
+
+def _usual(heights: Sequence[float]) -> float | None:
+    """The most frequent height, the highest of several as frequent; None if most are infinite."""
+    rounded = [round(z, 2) if np.isfinite(z) else None for z in heights]
+    counts = Counter(rounded)
+    best = max(counts, key=lambda z: (counts[z], -np.inf if z is None else z))
+    return best if best is None else next(z for z in heights if round(z, 2) == best)
 
 
 def _wall_tops(hole: Polygon, crossing: Sequence[_Outline]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from situgraph.plan.ifc_links import many, one
 from situgraph.scenegraph.categories import canonical
 
 # Fixed elements and furniture, by class, subclasses included. Pipes, ducts and their fittings are
@@ -40,9 +41,7 @@ def category_of(entity: Any) -> str:
 
 
 def _type_of(entity: Any) -> Any | None:
-    for relation in getattr(entity, "IsTypedBy", None) or ():
-        return relation.RelatingType
-    for relation in getattr(entity, "IsDefinedBy", None) or ():
+    for relation in (*many(entity, "IsTypedBy"), *many(entity, "IsDefinedBy")):
         if relation.is_a("IfcRelDefinesByType"):
-            return relation.RelatingType
+            return one(relation, "RelatingType")
     return None

@@ -14,9 +14,10 @@ import numpy as np
 
 from situgraph.geometry.poses import Array
 from situgraph.plan.building import Mesh
+from situgraph.plan.ifc_links import has_body, many, one
 
 Kernel = Literal["manifold", "opencascade"]
-MAX_DEPTH = 60  # nested boolean operations looked through before a body counts as clipped
+MAX_DEPTH = 20  # nested mapped items looked through before a body counts as clipped
 
 
 class _Body:
@@ -38,7 +39,7 @@ def read_shapes(model: Any, products: Iterable[Any], far: float) -> tuple[dict[i
     The offset is zero unless the building stands more than ``far`` metres from the origin; it is
     whole metres, so that adding it gives the file's coordinates back.
     """
-    wanted = {p.id(): p for p in products if p.Representation is not None}
+    wanted = {p.id(): p for p in products if has_body(p)}
     clipped = {i for i, p in wanted.items() if _is_clipped(p)}
     bodies = dict(_bodies(model, [p for i, p in wanted.items() if i not in clipped], "manifold"))
     rest = [p for i, p in wanted.items() if i not in bodies]
@@ -85,10 +86,11 @@ def _offset(bodies: Iterable[_Body], far: float) -> Array:
 
 def _is_clipped(product: Any) -> bool:
     """Whether a body of the product is the result of a boolean operation."""
-    for representation in product.Representation.Representations:
-        if representation.RepresentationIdentifier in ("Axis", "Box", "FootPrint", "Annotation"):
+    for representation in many(one(product, "Representation"), "Representations"):
+        kind = getattr(representation, "RepresentationIdentifier", None)
+        if kind in ("Axis", "Box", "FootPrint", "Annotation"):
             continue
-        if any(_has_boolean(item, MAX_DEPTH) for item in representation.Items):
+        if any(_has_boolean(item, MAX_DEPTH) for item in many(representation, "Items")):
             return True
     return False
 
@@ -97,6 +99,6 @@ def _has_boolean(item: Any, depth: int) -> bool:
     if depth == 0 or item.is_a("IfcBooleanResult"):
         return True
     if item.is_a("IfcMappedItem"):
-        items = item.MappingSource.MappedRepresentation.Items
-        return any(_has_boolean(i, depth - 1) for i in items)
+        mapped = one(one(item, "MappingSource"), "MappedRepresentation")
+        return any(_has_boolean(i, depth - 1) for i in many(mapped, "Items"))
     return False
