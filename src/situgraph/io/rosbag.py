@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-import heapq
 import itertools
-from collections import deque
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from situgraph.errors import InputError
 from situgraph.io.bag_decode import decode_cloud, decode_depth, decode_rgb, stamp_of
+from situgraph.io.bag_order import Pairs, in_order
 from situgraph.io.bag_topics import FORWARD, TRANSFORMS, Topic, Transforms, choose_topics
 from situgraph.io.recording import (
     IDENTITY,
     STREAMS,
-    Frame,
     Intrinsics,
     Message,
     Odometry,
@@ -28,9 +26,6 @@ from situgraph.io.recording import (
 )
 from situgraph.scenegraph.graph import Pose, Warning
 
-_WINDOW = 0.5  # s; messages are put in order within this
-_PAIR = 0.02  # s; colour and depth nearer than this are one image
-_PENDING = 30  # images that wait for their partner
 _HEAD = 500  # messages of a topic looked through for what never changes
 _REMEDY = "copy it again, or repair it (`mcap recover`, `ros2 bag reindex`, `rosbag reindex`)"
 
@@ -80,7 +75,7 @@ class BagRecording:
         """See ``Recording.messages``."""
         self._log.clear()
         last = -np.inf
-        for message in _in_order(self._decoded(frozenset(streams))):
+        for message in in_order(self._decoded(frozenset(streams))):
             if message.stamp < last:
                 self._log.add(
                     "stamp-backwards",
@@ -197,9 +192,8 @@ class BagRecording:
         names = list(roles)
         if "odometry" in streams and "odometry" not in self._roles:
             names += self._dynamic
-        pairs = _Pairs(
-            {r for r in roles.values() if r in ("rgb", "depth")}, self._intrinsics, self._log
-        )
+        images = {r for r in roles.values() if r in ("rgb", "depth")}
+        pairs = Pairs(images, self._intrinsics or Intrinsics(1.0, 1.0, 0.0, 0.0), self._log)
         with self._opened() as reader:
             for topic, number, message in self._raw(reader, names):
                 role = roles.get(topic, "tf")
@@ -209,7 +203,7 @@ class BagRecording:
                     self._log.add("message-odd", str(error))
         pairs.end()
 
-    def _message(self, role: str, message: Any, source: str, pairs: _Pairs) -> Iterator[Message]:
+    def _message(self, role: str, message: Any, source: str, pairs: Pairs) -> Iterator[Message]:
         if role == "lidar":
             scan, lost = decode_cloud(message, source)
             if lost:
@@ -238,67 +232,3 @@ def _odometry(stamp: float, at: Any, turn: Any, source: str) -> Odometry:
         raise InputError(source, "is not a pose (not finite, or a zero quaternion)", "")
     pose[3:] /= length
     return Odometry(stamp, pose)
-
-
-class _Pairs:
-    """Joins colour and depth images of the same moment to frames."""
-
-    def __init__(self, roles: set[str], intrinsics: Intrinsics | None, log: WarningLog) -> None:
-        self._waiting: dict[str, deque[tuple[float, Any]]] = {r: deque() for r in roles}
-        self._intrinsics = cast(Intrinsics, intrinsics)
-        self._log = log
-
-    def add(self, role: str, stamp: float, image: Any) -> Iterator[Frame]:
-        """Take one more image and give the frame it completes, if any."""
-        other = "depth" if role == "rgb" else "rgb"
-        if other not in self._waiting:
-            yield self._frame(stamp, {role: image})
-            return
-        waiting = self._waiting[other]
-        near = [i for i, (s, _) in enumerate(waiting) if abs(s - stamp) <= _PAIR]
-        if not near:
-            self._waiting[role].append((stamp, image))
-            if len(self._waiting[role]) > _PENDING:
-                self._drop(role)
-            return
-        for _ in range(near[0]):
-            self._drop(other)
-        _, partner = waiting.popleft()
-        if image.shape[:2] != partner.shape[:2]:
-            self._log.add(
-                "images-not-aligned",
-                f"at {stamp:.3f} s {role} is {image.shape[:2]} and {other} {partner.shape[:2]}; "
-                "record depth aligned to colour",
-            )
-            return
-        yield self._frame(stamp, {role: image, other: partner})
-
-    def end(self) -> None:
-        """Note the images that found no partner."""
-        for role in self._waiting:
-            while self._waiting[role]:
-                self._drop(role)
-
-    def _drop(self, role: str) -> None:
-        stamp, _ = self._waiting[role].popleft()
-        self._log.add(
-            f"image-alone-{role}",
-            f"the {role} image of {stamp:.3f} s has no partner within {_PAIR} s and is left out",
-        )
-
-    def _frame(self, stamp: float, images: dict[str, Any]) -> Frame:
-        return Frame(stamp, images.get("rgb"), images.get("depth"), self._intrinsics)
-
-
-def _in_order(messages: Iterator[Message]) -> Iterator[Message]:
-    """Messages by stamp as far as a window of half a second allows."""
-    heap: list[tuple[float, int, int, Message]] = []
-    newest = -np.inf
-    for number, message in enumerate(messages):
-        newest = max(newest, message.stamp)
-        rank = 0 if isinstance(message, Odometry) else 1
-        heapq.heappush(heap, (message.stamp, rank, number, message))
-        while heap and heap[0][0] < newest - _WINDOW:
-            yield heapq.heappop(heap)[3]
-    while heap:
-        yield heapq.heappop(heap)[3]

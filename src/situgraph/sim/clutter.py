@@ -12,8 +12,9 @@ from situgraph.geometry.poses import Array
 from situgraph.scenegraph.graph import Ellipsoid, Object, SceneGraph
 from situgraph.sim.flights import CATEGORIES
 from situgraph.sim.furniture import Solid
-from situgraph.sim.levels import Level, across_of
+from situgraph.sim.levels import Level
 from situgraph.sim.mesh import edges
+from situgraph.sim.openings import across_of
 
 # Category and half sizes (m): along the wall, off the wall, upwards.
 _PIECES = (

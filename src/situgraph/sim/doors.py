@@ -10,8 +10,9 @@ import numpy as np
 
 from situgraph.geometry.poses import Array
 from situgraph.sim.config import WorldConfig
-from situgraph.sim.levels import Level, Opening
+from situgraph.sim.levels import Level
 from situgraph.sim.mesh import MeshBuilder
+from situgraph.sim.openings import Opening
 
 Leaf = Literal["open", "closed", "none"]
 

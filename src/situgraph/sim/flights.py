@@ -10,8 +10,9 @@ import numpy as np
 
 from situgraph.geometry.poses import Array, rotation2
 from situgraph.scenegraph.graph import Object, SceneGraph
-from situgraph.sim.levels import Level, yaw_of
+from situgraph.sim.levels import Level
 from situgraph.sim.mesh import MeshBuilder, edges
+from situgraph.sim.openings import yaw_of
 
 CATEGORIES = frozenset({"stair", "stairs", "ramp"})
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from situgraph.geometry.poses import Array, rotation2
 from situgraph.scenegraph.graph import Object
-from situgraph.sim.levels import yaw_of
 from situgraph.sim.mesh import MeshBuilder
+from situgraph.sim.openings import yaw_of
 
 # Half sizes (x, y, z) in metres where the plan gives none; x runs along the wall.
 _SIZES: dict[str, tuple[float, float, float]] = {
