@@ -7,7 +7,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.sim.buildings import box_room, building, two_rooms, two_storeys
+from tests.sim.buildings import box_room, building, door, two_rooms, two_storeys
 
 from situgraph.errors import InputError
 from situgraph.scenegraph.graph import Ellipsoid, Object, SceneGraph
@@ -128,14 +128,19 @@ def test_a_wall_is_not_moved_through_a_room() -> None:
 def test_deviations_are_as_many_as_asked_for_and_recorded() -> None:
     plan = two_rooms()
     config = WorldConfig(moved_walls=1, extra_furniture=3, missing_doors=1)
-    built, done = deviate(plan, config, (), np.random.default_rng(0))
+    built, done = deviate(plan, config, np.random.default_rng(0))
     kinds = [d.kind for d in done]
-    assert sorted(kinds) == ["extra-furniture"] * 3 + ["missing-door", "moved-wall"]
-    assert "d" not in built.object_by_id
-    assert len(built.objects) == 4
-    # A door that is the only way stays.
-    kept, _ = build_drivable(plan, SimConfig(world=config), (), 0)
-    assert "d" in kept.graph.object_by_id
+    # The only door of a room stays.
+    assert sorted(kinds) == ["extra-furniture"] * 3 + ["moved-wall"]
+    assert len(built.objects) == 5
+    second = door("d2", 5.1, 3.2, ("a", "b"), ("a.e", "b.w"))
+    built, done = deviate(
+        plan.replace(objects=(*plan.objects, second)),
+        WorldConfig(missing_doors=5),
+        np.random.default_rng(0),
+    )
+    assert [d.kind for d in done] == ["missing-door"]
+    assert len({"d", "d2"} & set(built.object_by_id)) == 1
 
 
 def test_what_bars_the_only_way_is_left_out() -> None:

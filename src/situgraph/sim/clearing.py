@@ -6,7 +6,6 @@ Furniture goes, and so do the leaves of doors that open into a narrow place.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import msgspec
 import numpy as np
@@ -29,9 +28,8 @@ def build_drivable(
     Raises:
         InputError: the plan has no footprints to build from.
     """
-    keep = _needed_doors(plan)
     rng = np.random.default_rng([seed, 7200])
-    graph, deviations = deviate(plan, config.world, keep, rng)
+    graph, deviations = deviate(plan, config.world, rng)
     for _ in range(_ROUNDS):
         world = build_world(graph, config.world, seed)
         barriers = _barriers(world, config.robot, rooms)
@@ -55,18 +53,6 @@ def _unhinged(graph: SceneGraph, name: str) -> SceneGraph:
         for o in graph.objects
     )
     return graph.replace(objects=objects)
-
-
-def _needed_doors(plan: SceneGraph) -> set[str]:
-    """Doors without which a room would be cut off: bridges of the graph of rooms and doors."""
-    import networkx as nx
-
-    doors = [o for o in plan.objects if o.category == "door" and len(o.rooms) > 1]
-    graph: Any = nx.Graph()
-    for door in doors:
-        graph.add_edge(*door.rooms[:2])
-    bridges = {frozenset(b) for b in nx.bridges(graph)} if doors else set()
-    return {d.id for d in doors if frozenset(d.rooms[:2]) in bridges}
 
 
 def _barriers(world: World, config: RobotConfig, rooms: Sequence[str]) -> set[str]:

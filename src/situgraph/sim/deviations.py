@@ -36,13 +36,13 @@ class Deviation(msgspec.Struct, frozen=True):
 
 
 def deviate(
-    plan: SceneGraph, config: WorldConfig, keep: Collection[str], rng: np.random.Generator
+    plan: SceneGraph, config: WorldConfig, rng: np.random.Generator
 ) -> tuple[SceneGraph, tuple[Deviation, ...]]:
     """The graph of the building as built and its deviations, as many as ``config`` asks for.
 
     What the plan puts in the way of a door is always left out: a robot has to drive.
-    ``keep`` are doors that must stay (the robot has to pass). Fewer changes are made where the
-    plan offers no more: walls whose move would break a room stay.
+    Fewer changes are made where the plan offers no more: walls whose move would break a room stay,
+    and so do doors without which a room would be cut off.
     """
     built = plan
     done: list[Deviation] = []
@@ -58,15 +58,28 @@ def deviate(
         if changed is not None:
             built, deviation = changed
             done.append(deviation)
-    doors = [o.id for o in built.objects if o.category == "door" and len(o.rooms) > 1]
-    free = [d for d in doors if d not in keep]
-    for index in rng.permutation(len(free))[: config.missing_doors]:
-        built = without(built, free[index])
-        done.append(Deviation("missing-door", (free[index],)))
+    for _ in range(config.missing_doors):
+        if not (free := _spare_doors(built)):
+            break
+        name = free[rng.integers(len(free))]
+        built = without(built, name)
+        done.append(Deviation("missing-door", (name,)))
     for item in extra_furniture(built, config.extra_furniture, rng):
         built = built.replace(objects=(*built.objects, item))
         done.append(Deviation("extra-furniture", (item.id,)))
     return built, tuple(done)
+
+
+def _spare_doors(plan: SceneGraph) -> list[str]:
+    """Inner doors that can go: those that are no bridge of the graph of rooms and doors."""
+    import networkx as nx
+
+    doors = [o for o in plan.objects if o.category == "door" and len(o.rooms) > 1]
+    pairs = [frozenset(d.rooms[:2]) for d in doors]
+    graph: Any = nx.Graph()
+    graph.add_edges_from(tuple(p) for p in pairs if len(p) == 2)
+    bridges = {frozenset(b) for b in nx.bridges(graph)}
+    return [d.id for d, p in zip(doors, pairs) if p not in bridges or pairs.count(p) > 1]
 
 
 def without(plan: SceneGraph, name: str) -> SceneGraph:
