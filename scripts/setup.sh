@@ -44,7 +44,8 @@ if [ -n "$uv" ]; then
   "$uv" pip install --quiet --require-hashes -r "$lock"
   "$uv" pip install --quiet --no-deps --no-build-isolation --editable .
 else
-  "$venv/bin/python" -m pip --disable-pip-version-check install --quiet --require-hashes -r "$lock"
+  # Not compiled here: most modules are never imported, and Python compiles those that are.
+  "$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-compile --require-hashes -r "$lock"
   "$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-deps --no-build-isolation --editable .
 fi
 

@@ -40,10 +40,16 @@ def test_nothing_heavy_is_loaded(code: str) -> None:
     assert not loaded_after(code) & HEAVY
 
 
-def test_settings_load_no_stage() -> None:
-    assert not loaded_after("from situgraph.config import describe; describe()") & (
-        HEAVY - {"numpy"}
-    )
+def test_settings_load_no_building_reader_no_optimiser_and_no_pictures() -> None:
+    loaded = loaded_after("from situgraph.config import describe; describe()")
+    assert not loaded & {
+        "gtsam",
+        "ifcopenshell",
+        "matplotlib",
+        "moderngl",
+        "onnxruntime",
+        "embreex",
+    }
 
 
 def test_the_package_imports_no_gpl_code() -> None:
