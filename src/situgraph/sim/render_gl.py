@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from typing import Any
 
 import numpy as np
@@ -108,6 +109,9 @@ class GlRenderer:
             self._gl: Any = create(standalone=True, backend="egl", require=330)
         except Exception as error:  # moderngl raises bare exceptions of many kinds
             raise GlUnavailableError(str(error) or type(error).__name__) from error
+        # The driver keeps a context and what is in it until told to let go.
+        weakref.finalize(self, self._gl.release)
+        self._gl.gc_mode = "auto"
         self._origin = world.origin
         self._program: Any = self._gl.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
         self._load(world)
