@@ -72,7 +72,7 @@ def show(recording: Recording) -> None:
         ("kind", info.kind),
         ("start", f"{info.start:.3f} s"),
         ("duration", f"{info.duration:.1f} s"),
-        *((stream, count if count >= 0 else "not known") for stream, count in info.counts.items()),
+        ("messages", ", ".join(_count(name, n) for name, n in info.counts.items())),
         *info.sensors.items(),
         ("lidar in base", _pose(info.base_T_lidar)),
         ("camera in base", _pose(info.base_T_camera)),
@@ -82,6 +82,10 @@ def show(recording: Recording) -> None:
     )
     for warning in recording.warnings:
         console().print(f"warning: {warning.code}: {warning.message}", markup=False)
+
+
+def _count(name: str, count: int) -> str:
+    return f"{count} {name}" if count >= 0 else f"{name} of unknown number"
 
 
 def _pose(pose: tuple[float, ...] | None) -> str:
