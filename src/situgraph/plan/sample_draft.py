@@ -96,11 +96,12 @@ def finished(
         objects=tuple(_object(item[i], draft.objects[i], room, plane) for i in item_order),
     )
     things = list(zip(item, draft.objects, strict=True))
+    own = motions.placements(frame.z)
     real = [i for i, r in enumerate(draft.rooms) if r.prior is not None]
     truth = SampleTruth(
         placement=placement,
         start=frame,
-        room_placements={room[i]: motions.placement(i, frame.z) for i in real},
+        room_placements={room[i]: own[i] for i in real},
         storeys={online_id: prior_id for prior_id, online_id in storey.items()},
         rooms={room[i]: r.prior for i, r in enumerate(draft.rooms) if r.prior is not None},
         planes={plane[i]: p.prior for i, p in enumerate(draft.planes) if p.prior is not None},

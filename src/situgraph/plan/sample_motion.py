@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
-from situgraph.geometry.poses import Array, Placement
+from situgraph.geometry.poses import Array, Placement, wrap_angle
 from situgraph.plan.contacts import Index
 from situgraph.plan.exploration import Walk
 
@@ -33,10 +33,13 @@ class RoomMotions(msgspec.Struct, frozen=True):
         x, y = vectors[:, 0], vectors[:, 1]
         return np.stack([c * x - s * y, s * x + c * y], axis=1)
 
-    def placement(self, slot: int, z: float) -> Placement:
-        """Map to building as one room sees it."""
-        yaw, (x, y) = float(self.yaw[slot]), self.shift[slot].tolist()
-        return Placement(x, y, -z, yaw).inverse()
+    def placements(self, z: float) -> list[Placement]:
+        """Map to building as each room sees it; ``z`` (m) is the map origin's height."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        x = -(c * self.shift[:, 0] + s * self.shift[:, 1])
+        y = s * self.shift[:, 0] - c * self.shift[:, 1]
+        columns = (x.tolist(), y.tolist(), wrap_angle(-self.yaw).tolist())
+        return [Placement(px, py, z, yaw) for px, py, yaw in zip(*columns)]
 
 
 def room_motions(frame: Placement, walk: Walk, center: Array, bend: float) -> RoomMotions:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import msgspec
@@ -15,6 +16,7 @@ from situgraph.plan.sample_draft import Draft, DraftPlane, DraftRoom, triples
 from situgraph.plan.sample_motion import RoomMotions
 from situgraph.plan.sample_prior import PriorArrays
 from situgraph.plan.sampler_config import SamplerConfig
+from situgraph.scenegraph.graph import Vec2
 
 Rng = np.random.Generator
 
@@ -115,19 +117,33 @@ def add_rooms(
     center[:, :2] = motions.points(center[:, :2], slot)
     center[:, 2] -= down
     center += config.center_sigma * rng.normal(size=center.shape)
-    with_moved = set(seen.slot[shifted].tolist())
+    footprints = _footprints(walk, seen, prior, motions, config, rng)
     for i, (room, at) in enumerate(zip(walk.order, triples(center), strict=True)):
         planes = [index[p] for p in prior.planes[room] if p in index]
-        outline = prior.footprint[room] if config.footprints else None
-        footprint = None
-        if outline is not None:
-            if i in with_moved:
-                outline = _moved_outline(outline, room, seen, prior)
-            drawn = motions.points(outline, np.full(len(outline), i))
-            drawn = drawn + config.plane_offset_sigma * rng.normal(size=drawn.shape)
-            footprint = tuple((x, y) for x, y in drawn.tolist())
         node = prior.graph.rooms[room]
-        draft.rooms.append(DraftRoom(at, planes, footprint, node.storey, node.id))
+        draft.rooms.append(DraftRoom(at, planes, footprints.get(i), node.storey, node.id))
+
+
+def _footprints(
+    walk: Walk,
+    seen: SeenPlanes,
+    prior: PriorArrays,
+    motions: RoomMotions,
+    config: SamplerConfig,
+    rng: Rng,
+) -> dict[int, tuple[Vec2, ...]]:
+    """Outlines in the map by place in the walk, for the rooms whose prior has one."""
+    outlines = {i: prior.footprint[room] for i, room in enumerate(walk.order)}
+    known = {i: o for i, o in outlines.items() if o is not None and config.footprints}
+    if not known:
+        return {}
+    for i in set(seen.slot[np.flatnonzero(seen.moved)].tolist()) & known.keys():
+        known[i] = _moved_outline(known[i], walk.order[i], seen, prior)
+    sizes = [len(o) for o in known.values()]
+    drawn = motions.points(np.concatenate(list(known.values())), np.repeat(list(known), sizes))
+    drawn = drawn + config.plane_offset_sigma * rng.normal(size=drawn.shape)
+    corners = iter([(x, y) for x, y in drawn.tolist()])
+    return {i: tuple(itertools.islice(corners, size)) for i, size in zip(known, sizes)}
 
 
 def _moved(

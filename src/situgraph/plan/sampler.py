@@ -64,9 +64,8 @@ class Sampler:
         motions = room_motions(frame, walk, prior.center, bend)
         placement = frame
         if bend:
-            own = [motions.placement(k, frame.z) for k in range(len(walk.order))]
             centers = motions.points(prior.center[walk.order, :2], np.arange(len(walk.order)))
-            placement = best_placement(own, centers, frame.z)
+            placement = best_placement(motions.placements(frame.z), centers, frame.z)
 
         draft = Draft()
         seen = see_planes(walk, prior, config, rng)
