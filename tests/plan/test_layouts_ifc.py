@@ -16,7 +16,6 @@ from situgraph.plan.ifc_writer import write_ifc
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.six_rooms import six_rooms
-from situgraph.scenegraph.categories import WALL_MOUNTED
 from situgraph.scenegraph.graph import Object, Plane, Room, SceneGraph
 
 NEAR = 1e-3  # m
@@ -95,12 +94,7 @@ def assert_round_trip(graph: SceneGraph, path: Path, exact_depth: bool = False) 
         seen = read.objects[nearest(places, item.center)]
         assert_same_object(item, seen, exact_depth)
         assert set(seen.rooms) == {rooms[r] for r in item.rooms}
-        if item.category in IN_WALL:
-            assert set(seen.planes) == {planes[p] for p in item.planes}
-        else:
-            # The reader need not say on which wall a fixture hangs, but never a wrong one.
-            assert set(seen.planes) <= {planes[p] for p in item.planes}
-            assert not item.planes or item.category in WALL_MOUNTED
+        assert set(seen.planes) == {planes[p] for p in item.planes}
 
 
 @pytest.mark.parametrize("rooms", range(1, 7))
