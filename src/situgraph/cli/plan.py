@@ -88,7 +88,12 @@ def _show(graph: SceneGraph, report: PlanReport, output: Path | None) -> None:
         if agreement.get("checked"):
             text = f"{agreement['agreed']} of {agreement['checked']}"
             rows.append(("  agree with space boundaries", text))
-    rows += [("read in", f"{report.seconds:.2f} s, {report.peak_mb:.0f} MB")]
+    rows += [
+        (
+            "read in",
+            f"{report.seconds:.2f} s ({report.cpu_seconds:.2f} s of CPU), {report.peak_mb:.0f} MB",
+        )
+    ]
     print_table(report.name, ("what", "found"), [(what, str(found)) for what, found in rows])
     _show_warnings(graph, report)
     if output is not None:
@@ -110,7 +115,7 @@ def markdown(reports: list[PlanReport]) -> str:
     """The reports as a Markdown table."""
     head = (
         "file", "storeys", "rooms", "planes (virtual)", "perimeter backed", "doors: rooms/planes",
-        "windows: rooms/planes", "boundaries agree: doors, windows", "warnings", "s", "MB",
+        "windows: rooms/planes", "boundaries agree: doors, windows", "warnings", "s", "CPU s", "MB",
     )  # fmt: skip
     lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
     for r in reports:
@@ -126,6 +131,7 @@ def markdown(reports: list[PlanReport]) -> str:
             ", ".join(_agreement(r, category) for category in ("door", "window")),
             _counts(r.warnings) or "none",
             f"{r.seconds:.2f}",
+            f"{r.cpu_seconds:.2f}",
             f"{r.peak_mb:.0f}",
         )
         lines.append(f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |")

@@ -19,10 +19,11 @@ from situgraph.scenegraph.graph import SceneGraph
 
 
 class Reading(msgspec.Struct, frozen=True):
-    """An A-Graph, the wall-clock seconds it took and the peak memory (MB) of its reader."""
+    """An A-Graph, the wall-clock seconds it took, and its reader's CPU seconds and peak memory."""
 
     graph: SceneGraph
     seconds: float
+    cpu_seconds: float
     peak_mb: float
 
 
@@ -53,10 +54,12 @@ def read_measured(path: str | os.PathLike[str], config: PlanConfig | None = None
     if settings.isolate and sys.executable:
         from situgraph.plan.ifc_child import read_in_child
 
-        graph, peak = read_in_child(Path(path), settings)
+        graph, cpu, peak = read_in_child(Path(path), settings)
     else:
-        graph, peak = build_graph(path, settings), peak_memory_mb()
-    return Reading(graph, time.perf_counter() - start, peak)
+        before = time.process_time()
+        graph = build_graph(path, settings)
+        cpu, peak = time.process_time() - before, peak_memory_mb()
+    return Reading(graph, time.perf_counter() - start, cpu, peak)
 
 
 def build_graph(path: str | os.PathLike[str], config: PlanConfig) -> SceneGraph:

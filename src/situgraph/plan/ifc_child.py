@@ -9,6 +9,7 @@ import contextlib
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import msgspec
@@ -20,15 +21,16 @@ from situgraph.scenegraph.graph import SceneGraph
 
 
 class Answer(msgspec.Struct, frozen=True):
-    """What the child found: a graph, or what is wrong with the file; and its peak memory (MB)."""
+    """What the child found: a graph, or what is wrong; its CPU seconds and peak memory (MB)."""
 
-    graph: SceneGraph | None = None
-    problem: str | None = None
-    peak_mb: float = 0.0
+    graph: SceneGraph | None
+    problem: str | None
+    cpu_seconds: float
+    peak_mb: float
 
 
-def read_in_child(path: Path, config: PlanConfig) -> tuple[SceneGraph, float]:
-    """The A-Graph of an IFC file read in a child process, and the child's peak memory (MB).
+def read_in_child(path: Path, config: PlanConfig) -> tuple[SceneGraph, float, float]:
+    """The A-Graph of an IFC file, and the CPU seconds and peak memory (MB) of the child.
 
     Raises:
         InputError: the child says so, crashed, took too long or too much memory.
@@ -56,7 +58,7 @@ def read_in_child(path: Path, config: PlanConfig) -> tuple[SceneGraph, float]:
     answer = msgspec.json.decode(done.stdout, type=Answer)
     if answer.graph is None:
         raise InputError(path, (answer.problem or "cannot be read").removeprefix(f"{path}: "))
-    return answer.graph, answer.peak_mb
+    return answer.graph, answer.cpu_seconds, answer.peak_mb
 
 
 # What Python, C++, OpenBLAS and the dynamic loader say when the limit is reached.
@@ -96,10 +98,13 @@ def _main() -> None:
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     _limit_memory(config.max_memory_mb)
+    graph: SceneGraph | None
+    problem: str | None
     try:
-        answer = Answer(build_graph(path, config), None, peak_memory_mb())
+        graph, problem = build_graph(path, config), None
     except InputError as error:
-        answer = Answer(None, str(error), peak_memory_mb())
+        graph, problem = None, str(error)
+    answer = Answer(graph, problem, time.process_time(), peak_memory_mb())
     with os.fdopen(answer_to, "wb") as stream:
         stream.write(msgspec.json.encode(answer))
 

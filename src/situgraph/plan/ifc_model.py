@@ -43,7 +43,9 @@ def read_building(model: Any, schema: str, config: PlanConfig) -> Building:
     bodies = [*spaces, *walls, *bare, *slabs, *fixtures, *holes.values()]
     bodies += [f for f in fillings if f.id() not in holes]
     bodies += [p for e in pieces.values() for p in e]
-    meshes, offset = read_shapes(model, bodies, config.far)
+    # Behind a room's face the side of a wall counts, not the slope of its top: no need to clip it.
+    uncut = {w.id() for w in walls} if spaces else set()
+    meshes, offset = read_shapes(model, bodies, config.far, uncut)
     for key, several in pieces.items():
         found = [meshes[p.id()] for p in several if p.id() in meshes]
         if key not in meshes and found:

@@ -1,13 +1,14 @@
 """Bodies of IFC products as triangles, in metres and building coordinates.
 
 The ``manifold`` kernel is ten times faster than OpenCascade and leaves some shapes out: clipped
-bodies come unclipped, some profiles come empty. Those, and only those, are made by OpenCascade.
+bodies come unclipped or as the wrong half, some profiles come empty. Those, and only those, are
+made by OpenCascade, which needs a tenth of a second for a roof of many planes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from typing import Any, Literal
 
 import numpy as np
@@ -32,8 +33,12 @@ class _Body:
         return Mesh(self.vertices @ turn.T + shift, self.faces)
 
 
-def read_shapes(model: Any, products: Iterable[Any], far: float) -> tuple[dict[int, Mesh], Array]:
+def read_shapes(
+    model: Any, products: Iterable[Any], far: float, uncut: Container[int] = ()
+) -> tuple[dict[int, Mesh], Array]:
     """Meshes by entity number, and the offset (3,) that was taken off their coordinates.
+
+    Products whose number is in ``uncut`` are taken as they were before any clipping.
 
     Openings are not cut out of walls: doors and windows are placed by the openings themselves.
     The offset is zero unless the building stands more than ``far`` metres from the origin; it is
@@ -43,18 +48,24 @@ def read_shapes(model: Any, products: Iterable[Any], far: float) -> tuple[dict[i
     clipped = {i for i, p in wanted.items() if _is_clipped(p)}
     bodies = dict(_bodies(model, [p for i, p in wanted.items() if i not in clipped], "manifold"))
     rest = [p for i, p in wanted.items() if i not in bodies]
+    whole = [p for p in rest if p.id() in uncut]
+    bodies.update(_bodies(model, whole, "opencascade", cut=False))
+    rest = [p for p in rest if p.id() not in bodies]
     bodies.update(_bodies(model, rest, "opencascade"))
     offset = _offset(bodies.values(), far)
     return {i: bodies[i].mesh(offset) for i in wanted if i in bodies}, offset
 
 
-def _bodies(model: Any, products: list[Any], kernel: Kernel) -> Iterator[tuple[int, _Body]]:
+def _bodies(
+    model: Any, products: list[Any], kernel: Kernel, cut: bool = True
+) -> Iterator[tuple[int, _Body]]:
     if not products:
         return
     from ifcopenshell import geom
 
     settings: Any = geom.settings()  # type: ignore[no-untyped-call]
     settings.set("disable-opening-subtractions", True)
+    settings.set("disable-boolean-result", not cut)
     iterator: Any = geom.iterator(settings, model, 1, include=products, geometry_library=kernel)
     seen: dict[int, int] = {}
     if not iterator.initialize():

@@ -37,6 +37,7 @@ class PlanReport(msgspec.Struct, frozen=True):
     boundaries: Mapping[str, Mapping[str, int]]
     warnings: Mapping[str, int]
     seconds: float
+    cpu_seconds: float
     peak_mb: float
 
 
@@ -59,9 +60,10 @@ def plan_report(
 def _read_osm(path: str | os.PathLike[str], config: PlanConfig | None) -> Reading:
     from situgraph.plan.osmag import read_osm
 
-    start = time.perf_counter()
+    start, cpu = time.perf_counter(), time.process_time()
     graph = read_osm(path, config)
-    return Reading(graph, time.perf_counter() - start, peak_memory_mb())
+    seconds, cpu = time.perf_counter() - start, time.process_time() - cpu
+    return Reading(graph, seconds, cpu, peak_memory_mb())
 
 
 def _is_osm(file: Path) -> bool:
@@ -97,6 +99,7 @@ def summarise(reading: Reading) -> PlanReport:
         boundaries={c: _agreement(graph, c) for c in ("door", "window")},
         warnings=dict(sorted(Counter(w.code for w in graph.warnings).items())),
         seconds=round(reading.seconds, 3),
+        cpu_seconds=round(reading.cpu_seconds, 3),
         peak_mb=round(reading.peak_mb, 1),
     )
 
