@@ -73,8 +73,7 @@ def read_ways(path: str | os.PathLike[str], config: PlanConfig) -> OsmMap:
 def _metres(latitude: float) -> tuple[float, float]:
     """Metres a degree east and north, by the radii of curvature of the ellipsoid at a latitude.
 
-    A map of 1 km is true to about a millimetre in the north-south and a decimetre in the
-    east-west direction at 60 degrees; a building far better.
+    Exact at the origin; at 60 degrees of latitude it is off by 1 cm at 200 m and 0.3 m at 1 km.
     """
     sine = math.sin(math.radians(latitude))
     w = 1.0 - ECCENTRICITY2 * sine * sine
