@@ -1,0 +1,163 @@
+"""How far can 'unique' and a probability be trusted: trials, foreign and mirrored buildings."""
+
+from __future__ import annotations
+
+import math
+import typing
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from situgraph.experiments.outcomes import Judge, tally
+from situgraph.matching import MatchingConfig, MatchResult, PlanIndex, match
+from situgraph.plan.layout_changes import mirrored
+from situgraph.plan.layout_config import Kind
+from situgraph.plan.layouts import make_layout
+from situgraph.plan.sampler import sample_online
+from situgraph.plan.sampler_config import CLEAN, REALISTIC, DetectionRates, SamplerConfig
+
+# The errors the model of the matcher covers, and errors well beyond it.
+COVERED = msgspec.structs.replace(
+    REALISTIC,
+    detection_default=DetectionRates(
+        missed=0.08, false=0.04, duplicated=0.03, confused=0.02, wrong_wall=0.05
+    ),
+)
+BEYOND = msgspec.structs.replace(
+    COVERED,
+    plane_offset_sigma=0.05,
+    plane_yaw_sigma=math.radians(1.0),
+    moved_walls=0.15,
+    drift=math.radians(5.0) / 50.0,
+    detection_default=DetectionRates(
+        missed=0.2, false=0.15, duplicated=0.1, confused=0.05, wrong_wall=0.1
+    ),
+)
+ERRORS: dict[str, SamplerConfig] = {"covered": COVERED, "beyond": BEYOND}
+LISTED = 20  # solutions of a trial whose probabilities are kept
+FOREIGN_SHARE = 0.01  # the definition's prior for 'not in this plan'
+EXACT = MatchingConfig(min_share=1.0, plane_offset_tolerance=0.02, moved_limit=0.021)
+
+
+def trial_tasks(seed: int, trials: int, errors: str) -> Iterator[dict[str, Any]]:
+    """Random buildings of all kinds and sizes; of the covered ones a hundredth are foreign."""
+    return ({"part": "trial", "errors": errors, "seed": seed + n} for n in range(trials))
+
+
+def cross_tasks(seed: int, pairs: int) -> Iterator[dict[str, Any]]:
+    """A robot from another building of the same kind, and from the mirrored one."""
+    kinds = typing.get_args(Kind)
+    for part in ("foreign", "mirrored"):
+        for number in range(pairs):
+            for semantics in ("none", "likelihood"):
+                yield {
+                    "part": part,
+                    "kind": kinds[number % len(kinds)],
+                    "seen": (3, 4, 6, 8)[number // len(kinds) % 4],
+                    "semantics": semantics,
+                    "seed": seed + number,
+                }
+
+
+def solve_trial(task: Mapping[str, Any]) -> dict[str, Any]:
+    """One random building, seen in part, matched with itself (or rarely with another)."""
+    rng = np.random.default_rng([task["seed"], 7])
+    kind: Kind = str(rng.choice(typing.get_args(Kind)))  # type: ignore[assignment]
+    symmetry = rng.choice(["none", "none", "none", "local", "global"])
+    planned = int(rng.integers(4, 41))
+    seen = int(rng.integers(1, min(10, planned) + 1))
+    semantics = str(rng.choice(["none", "likelihood"]))
+    foreign = bool(rng.random() < FOREIGN_SHARE)
+    building = make_layout(kind, planned, 2 * task["seed"], str(symmetry))  # type: ignore[arg-type]
+    sample = sample_online(building, seen, task["seed"], ERRORS[task["errors"]])
+    prior = make_layout(kind, planned, 2 * task["seed"] + 1) if foreign else building
+    result = match(sample.online, PlanIndex(prior), semantics=semantics)  # type: ignore[arg-type]
+    judge = Judge(sample, prior, semantics)  # type: ignore[arg-type]
+    outcome = judge.outcome(result)
+    if foreign and outcome == "right":
+        outcome = "wrong"  # another building has no right place
+    return {
+        **task,
+        "kind": kind,
+        "symmetry": str(symmetry),
+        "planned": planned,
+        "seen": seen,
+        "rooms": result.stats["rooms_online"],
+        "semantics": semantics,
+        "foreign": foreign,
+        "admissible": not foreign and judge.admissible(),
+        "outcome": outcome,
+        "certified": result.certified,
+        "complete": result.complete,
+        "said": _said(result, judge, foreign),
+        "probability_outside": result.probability_outside,
+    }
+
+
+def _said(result: MatchResult, judge: Judge, foreign: bool) -> list[list[float]]:
+    """Probability and truth of each of the first solutions."""
+    listed = result.solutions[:LISTED]
+    return [[s.probability, float(not foreign and judge.is_true(s.transform))] for s in listed]
+
+
+def solve_cross(task: Mapping[str, Any]) -> dict[str, Any]:
+    """A robot where the plan is not that of its building."""
+    building = make_layout(task["kind"], 12, 2 * task["seed"])
+    if task["part"] == "mirrored":
+        prior = mirrored(building)
+    else:
+        prior = make_layout(task["kind"], 12, 2 * task["seed"] + 1)
+    index = PlanIndex(prior)
+    sample = sample_online(building, task["seen"], task["seed"], COVERED)
+    result = match(sample.online, index, semantics=task["semantics"])
+    return {
+        **task,
+        "outcome": result.verdict,
+        "probability_outside": result.probability_outside,
+        "congruent": _congruent(task, building, index),
+    }
+
+
+def _congruent(task: Mapping[str, Any], building: Any, index: PlanIndex) -> bool:
+    """Whether what was seen, had it been seen without error, is a part of the plan all the same."""
+    exact = sample_online(building, task["seen"], task["seed"], CLEAN)
+    result = match(exact.online, index, semantics=task["semantics"], config=EXACT)
+    return result.verdict != "none"
+
+
+def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Wrongly unique in trials that the printed model covers, and in those beyond it."""
+    summary = {}
+    for errors in ERRORS:
+        mine = [r for r in rows if r["errors"] == errors and not r["foreign"]]
+        covered = [r for r in mine if r["admissible"]]
+        summary[f"trials_{errors}"] = {
+            **tally(covered),
+            "inadmissible": tally(r for r in mine if not r["admissible"]),
+            "foreign": tally(r for r in rows if r["errors"] == errors and r["foreign"]),
+            "certified_wrong": sum(r["certified"] and r["outcome"] == "wrong" for r in covered),
+        }
+    return summary
+
+
+def summarise_cross(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Verdicts by what the plan is and by semantics; congruent ones apart."""
+    summary: dict[str, Any] = {}
+    for row in rows:
+        by = summary.setdefault(row["part"], {}).setdefault(row["semantics"], Counter())
+        by["trials"] += 1
+        by["congruent" if row["congruent"] else row["outcome"]] += 1
+    return {part: {s: dict(c) for s, c in by.items()} for part, by in summary.items()}
+
+
+def statements(rows: list[dict[str, Any]]) -> list[dict[str, float]]:
+    """What was said of each solution in the covered trials, and whether it was so."""
+    return [
+        {"probability": p, "right": right}
+        for row in rows
+        if row["errors"] == "covered"
+        for p, right in row["said"]
+    ]

@@ -1,0 +1,91 @@
+"""Is the search complete? Against the brute force on small cases, against counting on grids."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import msgspec
+
+from situgraph.experiments.oracle.cases import draw
+from situgraph.experiments.oracle.comparison import compare
+from situgraph.experiments.oracle.definition import Definition
+from situgraph.experiments.oracle.grids import grid, placements
+from situgraph.experiments.oracle.problem import Problem
+from situgraph.geometry.poses import Placement
+from situgraph.matching import MatchingConfig, PlanIndex, match
+from situgraph.scenegraph.transform import transformed
+
+# Identical patterns (rows, columns) in identical plans, and whether the rooms are square.
+GRIDS = (
+    ((1, 1), (2, 3), False),
+    ((2, 3), (3, 4), False),
+    ((2, 3), (3, 4), True),
+    ((2, 5), (10, 10), False),
+    ((2, 5), (10, 10), True),
+    ((5, 10), (20, 25), False),
+    ((5, 10), (20, 25), True),
+    ((5, 10), (50, 100), True),
+)
+FRAME = Placement(3.0, -7.0, 0.0, 0.7)
+
+
+def oracle_tasks(seed: int, cases: int) -> Iterator[dict[str, Any]]:
+    """The numbered cases of ``oracle.cases``."""
+    return ({"part": "oracle", "number": seed + number} for number in range(cases))
+
+
+def grid_tasks(full: bool) -> Iterator[dict[str, Any]]:
+    """The grids; those with thousands of solutions in the full size only."""
+    for pattern, plan, square in GRIDS:
+        if full or plan[0] * plan[1] <= 500:
+            yield {"part": "grid", "pattern": list(pattern), "plan": list(plan), "square": square}
+
+
+def solve_oracle(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Compare the matcher and the brute force on one case."""
+    case = draw(task["number"])
+    prior, sample = case.graphs()
+    problem = Problem(sample.online, prior, case.policy, Definition())
+    found = compare(sample.online, prior, problem)
+    return {
+        **task,
+        **msgspec.to_builtins(case),
+        **msgspec.to_builtins(found),
+        "agrees": found.agrees,
+    }
+
+
+def solve_grid(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Count the candidates of an identical pattern."""
+    pattern: tuple[int, int] = tuple(task["pattern"])
+    plan: tuple[int, int] = tuple(task["plan"])
+    width = 5.0 if task["square"] else 4.0
+    config = MatchingConfig(rival_ratio=0.0, max_solutions=1)
+    online = transformed(grid(*pattern, width), FRAME)
+    result = match(online, PlanIndex(grid(*plan, width)), semantics="none", config=config)
+    expected = placements(pattern, plan, task["square"], Definition())
+    return {**task, "expected": expected, "found": result.count, "complete": result.complete}
+
+
+def summarise_oracle(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """How many cases, and what differed in all of them."""
+    return {
+        "oracle_cases": len(rows),
+        "oracle_candidates": sum(r["candidates"] for r in rows),
+        "oracle_missed": sum(r["missed"] for r in rows),
+        "oracle_invented": sum(r["invented"] for r in rows),
+        "oracle_other_solutions": sum(r["unlike"] > 0 for r in rows),
+        "oracle_other_verdict": sum(r["verdict"] != r["reported_verdict"] for r in rows),
+        "oracle_disagreeing": [r["number"] for r in rows if not r["agrees"]],
+        "oracle_incomplete": sum(not r["complete"] for r in rows),
+    }
+
+
+def summarise_grids(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """How many grids were counted right."""
+    return {
+        "grids": len(rows),
+        "grids_counted_right": sum(r["expected"] == r["found"] for r in rows),
+        "grid_candidates": sum(r["expected"] for r in rows),
+    }

@@ -1,0 +1,93 @@
+"""What became of a match, given the truth: right, ambiguous, none or wrong.
+
+*right*: unique, and the true placement; *wrong*: unique, and another one. Two placements are the
+same as the definition says (docs/matching.md, section 5).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from situgraph.experiments.oracle.answer import motion_of, same, storeys
+from situgraph.experiments.oracle.definition import Definition, Policy
+from situgraph.experiments.oracle.explained import Motion, moved_center, view
+from situgraph.experiments.oracle.peaks import optimum
+from situgraph.experiments.oracle.problem import Flags, Problem
+from situgraph.geometry.poses import Placement
+from situgraph.matching import MatchResult
+from situgraph.plan.sample_truth import OnlineSample
+from situgraph.scenegraph.graph import SceneGraph
+
+OUTCOMES = ("right", "ambiguous", "none", "wrong")
+ROUNDS = 4  # least-squares steps from the true placement
+REACH = 20.0  # metres between the centres of rooms that may explain each other
+
+
+class Judge:
+    """Judges matches of one sample with one plan."""
+
+    def __init__(self, sample: OnlineSample, prior: SceneGraph, policy: Policy) -> None:
+        self._truth = sample.truth
+        self._problem = Problem(sample.online, prior, policy, Definition())
+        self._true = motion_of(self._problem, self._truth.placement) if self._problem.seen else None
+
+    def is_true(self, placement: Placement) -> bool:
+        """Whether a placement is the true one."""
+        if self._true is None:
+            return False
+        return same(self._problem, motion_of(self._problem, placement), self._true)
+
+    def outcome(self, result: MatchResult) -> str:
+        """One of ``OUTCOMES``."""
+        if result.best is None or result.verdict != "unique":
+            return str(result.verdict)
+        return "right" if self.is_true(result.best.transform) else "wrong"
+
+    def true_rank(self, result: MatchResult) -> int | None:
+        """Which of the solutions is the truth (0 the best), or None."""
+        for rank, solution in enumerate(result.solutions):
+            if self.is_true(solution.transform):
+                return rank
+        return None
+
+    def admissible(self) -> bool:
+        """Whether the truth is a candidate: the printed model holds at the true placement.
+
+        Checked with the definition as the brute force reads it, at the true placement and at those
+        that least squares reach from it: a bent map has no exact one.
+        """
+        if self._true is None:
+            return False
+        starts = [self._truth.placement, self._truth.start, *self._truth.room_placements.values()]
+        return any(self._feasible_from(motion_of(self._problem, start)) for start in starts)
+
+    def _feasible_from(self, motion: Motion) -> bool:
+        problem = self._problem
+        assert self._true is not None
+        if not problem.planned:
+            return False
+        near = storeys(problem, motion.z) & _nearby(problem, motion)
+        for _ in range(ROUNDS):
+            seen = view(problem, motion, near)
+            if seen.feasible and same(problem, motion, self._true):
+                return True
+            if not seen.pairs:
+                return False
+            motion = optimum(problem, seen)
+        return False
+
+
+def _nearby(problem: Problem, motion: Motion) -> Flags:
+    moved = np.array([moved_center(problem, motion, r) for r in range(len(problem.seen))])
+    there = np.array([room.center for room in problem.planned])
+    return np.asarray(np.linalg.norm(moved[:, None] - there[None], axis=2) <= REACH)
+
+
+def tally(rows: Iterable[Mapping[str, Any]]) -> dict[str, int]:
+    """How many rows, and how many of each outcome."""
+    counted = Counter(str(row["outcome"]) for row in rows)
+    return {"trials": counted.total(), **{name: counted[name] for name in OUTCOMES}}
