@@ -5,6 +5,8 @@ placements that turn by ``yaw`` up to ``turn`` more or less and take the anchor 
 to ``hu`` along the axis ``(ux, uy)`` and up to ``hv`` across it.
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -17,6 +19,7 @@ from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import SLACK, Slack, give, may_explain, wrapped
 from situgraph.matching.lookup import find
 from situgraph.matching.pairing import add_option, pair_up
+from situgraph.matching.pointers import read
 from situgraph.matching.tables import Flags, Floats, Ints
 
 YAW, TURN, PX, PY, UX, UY, HU, HV, AX, AY = range(10)  # columns of a box
@@ -37,15 +40,25 @@ class Spans(NamedTuple):
     off_low: Floats  # (n,) moves along its normal for which it can fit
     off_high: Floats  # (n,)
     kind: Ints  # (n,) 0: cannot fit, 1: one direction, 2: several
+    wide: Flags  # (N,) rooms of which the box is too wide to say where they go
 
 
 @kernel
 def new_spans(rooms, widest):
     """Spans of nothing, no room required."""
     return Spans(
-        np.empty((3, rooms)), np.empty((3, rooms)), np.zeros(rooms, dtype=np.bool_), np.empty(rooms),
-        np.empty(widest), np.empty(widest), np.empty(widest), np.empty(widest), np.empty(widest),
-        np.empty(widest), np.zeros(widest, dtype=np.int64),
+        np.empty((3, rooms)),
+        np.empty((3, rooms)),
+        np.zeros(rooms, dtype=np.bool_),
+        np.empty(rooms),
+        np.empty(widest),
+        np.empty(widest),
+        np.empty(widest),
+        np.empty(widest),
+        np.empty(widest),
+        np.empty(widest),
+        np.zeros(widest, dtype=np.int64),
+        np.zeros(rooms, dtype=np.bool_),
     )
 
 
@@ -65,14 +78,14 @@ def radius(box):
 
 
 @kernel
-def possible(seen, plan, limits, content, storeys, finder, box, r):
+def possible(case, box, r):
     """Whether room ``r`` may be explained somewhere in the box."""
-    storey = storeys[seen.storey[r]]
+    seen, finder, task = read(case.seen), read(case.finder), read(case.task)
+    storey = task.storeys[seen.storey[r]]
     if storey < 0:
         return False
     found = find(
-        seen, plan, limits, finder, r, storey, box[YAW], box[TURN],
-        box[AX], box[AY], box[PX], box[PY], radius(box), False,
+        case, r, storey, box[YAW], box[TURN], box[AX], box[AY], box[PX], box[PY], radius(box), False
     )
     if found < 0:
         return True
@@ -82,36 +95,41 @@ def possible(seen, plan, limits, content, storeys, finder, box, r):
     slack = slack_of(box, wx, wy)
     for k in range(found):
         a = finder.room[k]
-        if room_allowed(content, r, a) and may_explain(
-            seen, plan, limits, r, a, box[YAW], box[PX] + wx, box[PY] + wy, slack
+        if room_allowed(case, r, a) and may_explain(
+            case, r, a, box[YAW], box[PX] + wx, box[PY] + wy, slack
         ):
             return True
     return False
 
 
 @kernel
-def shrink(seen, plan, limits, content, storeys, least, work, spans, box):
+def shrink(case, box):
     """Cut from the box what cannot be feasible; False when nothing is left.
 
     At least ``least`` rooms must be explained at a feasible placement, and the required ones. So its
     yaw is not below the ``least``-th smallest of the rooms' lowest yaws; likewise on all six sides.
     """
+    seen, options, spans, task = (
+        read(case.seen),
+        read(case.options),
+        read(case.spans),
+        read(case.task),
+    )
     rooms = len(seen.storey)
-    options = work.options
     counted, shared = 0, False
     for r in range(rooms):
         options.count[r] = 0
-        if _span(seen, plan, limits, content, storeys, work, spans, box, r):
+        if _span(case, box, r):
             counted += 1
         else:
             spans.low[0, r] = np.inf
-            if spans.required[r] or counted + rooms - r - 1 < least:
+            if spans.required[r] or counted + rooms - r - 1 < task.least:
                 return False
-    if not _enough_apart(options, least, work):
+    if not _enough_apart(case):
         return False
     for side in range(3):
-        low = _extreme(spans.low[side], spans, least, 1.0)
-        high = -_extreme(spans.high[side], spans, least, -1.0)
+        low = _extreme(case, spans.low[side], 1.0)
+        high = -_extreme(case, spans.high[side], -1.0)
         if low > high:
             return False
         middle, half = (low + high) / 2, (high - low) / 2
@@ -128,8 +146,9 @@ def shrink(seen, plan, limits, content, storeys, least, work, spans, box):
 
 
 @kernel
-def _extreme(bound, spans, least, sign):
+def _extreme(case, bound, sign):
     """The ``least``-th smallest of ``sign * bound`` over the rooms, not below any required room's."""
+    spans, task = read(case.spans), read(case.task)
     count, must = 0, -np.inf
     for r in range(len(bound)):
         if spans.low[0, r] == np.inf:
@@ -143,12 +162,13 @@ def _extreme(bound, spans, least, sign):
             k -= 1
         spans.sorted[k] = value
         count += 1
-    return max(spans.sorted[least - 1], must)
+    return max(spans.sorted[task.least - 1], must)
 
 
 @kernel
-def _enough_apart(options, least, work):
+def _enough_apart(case):
     """Whether enough rooms can go to prior rooms of their own."""
+    options, spans, task = read(case.options), read(case.spans), read(case.task)
     free = 0
     for r in range(len(options.count)):
         if options.count[r] < 0:  # anything is possible
@@ -164,29 +184,30 @@ def _enough_apart(options, least, work):
     for r in range(len(options.count)):
         for k in range(options.count[r]):
             options.owner[options.room[r, k]] = 0
-    if free >= least:
+    if free >= task.least:
         return True
     unknown = 0
     for r in range(len(options.count)):
-        unknown += options.count[r] == 0 and work.wide[r]
-    return unknown + pair_up(options, work.two.room) >= least
+        unknown += options.count[r] == 0 and spans.wide[r]
+    return unknown + pair_up(case, read(case.two).room) >= task.least
 
 
 @kernel
-def _span(seen, plan, limits, content, storeys, work, spans, box, r):
+def _span(case, box, r):
     """Where in the box ``r`` can be explained, as a hull on the three axes; False when nowhere."""
-    storey = storeys[seen.storey[r]]
-    work.wide[r] = False
+    seen, finder, options = read(case.seen), read(case.finder), read(case.options)
+    spans, task = read(case.spans), read(case.task)
+    storey = task.storeys[seen.storey[r]]
+    spans.wide[r] = False
     if storey < 0:
         return False
     found = find(
-        seen, plan, limits, work.finder, r, storey, box[YAW], box[TURN],
-        box[AX], box[AY], box[PX], box[PY], radius(box), False,
+        case, r, storey, box[YAW], box[TURN], box[AX], box[AY], box[PX], box[PY], radius(box), False
     )
     half = (box[TURN], box[HU], box[HV])
     if found < 0:
-        work.wide[r] = True
-        work.options.count[r] = -1
+        spans.wide[r] = True
+        options.count[r] = -1
         for side in range(3):
             spans.low[side, r], spans.high[side, r] = -half[side], half[side]
         return True
@@ -198,20 +219,26 @@ def _span(seen, plan, limits, content, storeys, work, spans, box, r):
     for side in range(3):
         spans.low[side, r], spans.high[side, r] = np.inf, -np.inf
     for k in range(found):
-        a = work.finder.room[k]
-        if not room_allowed(content, r, a):
+        a = finder.room[k]
+        if not room_allowed(case, r, a):
             continue
-        if not may_explain(seen, plan, limits, r, a, box[YAW], x, y, slack):
+        if not may_explain(case, r, a, box[YAW], x, y, slack):
             continue
-        _plane_spans(seen, plan, limits, spans, r, a, box[YAW], x, y, slack)
-        if _hull(seen, spans, half, r):
-            add_option(work.options, r, a, 0.0)
+        _plane_spans(case, r, a, box[YAW], x, y, slack)
+        if _hull(case, half, r):
+            add_option(case, r, a, 0.0)
     return spans.low[0, r] < np.inf
 
 
 @kernel
-def _plane_spans(seen, plan, limits, spans, r, a, yaw, x, y, slack):
+def _plane_spans(case, r, a, yaw, x, y, slack):
     """For each plane of ``r``: for which turns, and which moves along its normal, it can fit in ``a``."""
+    seen, plan, limits, spans = (
+        read(case.seen),
+        read(case.plan),
+        read(case.limits),
+        read(case.spans),
+    )
     begin = seen.first[r]
     for i in range(begin, seen.first[r + 1]):
         k = i - begin
@@ -260,11 +287,12 @@ def _arcsine(value, most):
 
 
 @kernel
-def _hull(seen, spans, half, r):
+def _hull(case, half, r):
     """Widen the room's spans by where the planes just measured let it be explained; False if nowhere."""
+    seen, spans = read(case.seen), read(case.spans)
     begin = seen.first[r]
     if seen.flat[r]:
-        return _flat_hull(spans, half, r, seen.first[r + 1] - begin)
+        return _flat_hull(case, half, r, seen.first[r + 1] - begin)
     some = False
     for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
         i, k = seen.crossed[c, 0] - begin, seen.crossed[c, 1] - begin
@@ -277,8 +305,14 @@ def _hull(seen, spans, half, r):
         u0, u1, v0, v1 = -half[1], half[1], -half[2], half[2]
         det = spans.nu[i] * spans.nv[k] - spans.nv[i] * spans.nu[k]
         if spans.kind[i] == 1 and spans.kind[k] == 1 and abs(det) > 0.05:
-            mi, hi = (spans.off_low[i] + spans.off_high[i]) / 2, (spans.off_high[i] - spans.off_low[i]) / 2
-            mk, hk = (spans.off_low[k] + spans.off_high[k]) / 2, (spans.off_high[k] - spans.off_low[k]) / 2
+            mi, hi = (
+                (spans.off_low[i] + spans.off_high[i]) / 2,
+                (spans.off_high[i] - spans.off_low[i]) / 2,
+            )
+            mk, hk = (
+                (spans.off_low[k] + spans.off_high[k]) / 2,
+                (spans.off_high[k] - spans.off_low[k]) / 2,
+            )
             u = (mi * spans.nv[k] - mk * spans.nv[i]) / det
             du = (hi * abs(spans.nv[k]) + hk * abs(spans.nv[i])) / abs(det)
             v = (mk * spans.nu[i] - mi * spans.nu[k]) / det
@@ -288,13 +322,14 @@ def _hull(seen, spans, half, r):
             if u0 > u1 or v0 > v1:
                 continue
         some = True
-        _widen(spans, r, low, high, u0, u1, v0, v1)
+        _widen(case, r, low, high, u0, u1, v0, v1)
     return some
 
 
 @kernel
-def _flat_hull(spans, half, r, n):
+def _flat_hull(case, half, r, n):
     """The same for a room of parallel planes: all must fit, and they bound one direction only."""
+    spans = read(case.spans)
     low, high = -half[0], half[0]
     u0, u1, v0, v1 = -half[1], half[1], -half[2], half[2]
     for k in range(n):
@@ -313,29 +348,46 @@ def _flat_hull(spans, half, r, n):
             v0, v1 = max(v0, middle / spans.nv[k] - reach), min(v1, middle / spans.nv[k] + reach)
     if low > high or u0 > u1 or v0 > v1:
         return False
-    _widen(spans, r, low, high, u0, u1, v0, v1)
+    _widen(case, r, low, high, u0, u1, v0, v1)
     return True
 
 
 @kernel
-def _widen(spans, r, low, high, u0, u1, v0, v1):
+def _widen(case, r, low, high, u0, u1, v0, v1):
+    spans = read(case.spans)
     spans.low[0, r], spans.high[0, r] = min(spans.low[0, r], low), max(spans.high[0, r], high)
     spans.low[1, r], spans.high[1, r] = min(spans.low[1, r], u0), max(spans.high[1, r], u1)
     spans.low[2, r], spans.high[2, r] = min(spans.low[2, r], v0), max(spans.high[2, r], v1)
 
 
 @kernel
-def represented(seen, plan, limits, content, storeys, work, box, at):
+def represented(case, box, at):
     """Whether all pairs of planes that can fit in the box fit at the placement ``at`` as well."""
+    seen, plan, limits, finder, task = (
+        read(case.seen),
+        read(case.plan),
+        read(case.limits),
+        read(case.finder),
+        read(case.task),
+    )
     c, s = math.cos(box[YAW]), math.sin(box[YAW])
     ca, sa = math.cos(at[0]), math.sin(at[0])
     for r in range(len(seen.storey)):
-        storey = storeys[seen.storey[r]]
+        storey = task.storeys[seen.storey[r]]
         if storey < 0:
             continue
         found = find(
-            seen, plan, limits, work.finder, r, storey, box[YAW], box[TURN],
-            box[AX], box[AY], box[PX], box[PY], radius(box), False,
+            case,
+            r,
+            storey,
+            box[YAW],
+            box[TURN],
+            box[AX],
+            box[AY],
+            box[PX],
+            box[PY],
+            radius(box),
+            False,
         )
         if found < 0:
             return False
@@ -346,10 +398,10 @@ def represented(seen, plan, limits, content, storeys, work, box, at):
         slack = slack_of(box, wx, wy)
         tx, ty = at[1] + ca * cx - sa * cy, at[2] + sa * cx + ca * cy
         for k in range(found):
-            a = work.finder.room[k]
-            if not room_allowed(content, r, a):
+            a = finder.room[k]
+            if not room_allowed(case, r, a):
                 continue
-            if not may_explain(seen, plan, limits, r, a, box[YAW], x, y, slack):
+            if not may_explain(case, r, a, box[YAW], x, y, slack):
                 continue
             for i in range(seen.first[r], seen.first[r + 1]):
                 for j in range(plan.first[a], plan.first[a + 1]):

@@ -49,24 +49,26 @@ def _sources_key() -> str:
 
 
 def kernel(function: F) -> F:
-    """Compile a function on its first call, without the GIL, and keep the result."""
-    with _kept_in(_FOLDER) as cache:
-        compiled: F = numba.njit(cache=cache, nogil=True, error_model="numpy")(function)
-        return compiled
+    """Compile a function for other kernels, on its first use, without the GIL, and keep the result."""
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-def inlined(function: F) -> F:
-    """A kernel that is written into its callers: for the innermost tests."""
+def entry(function: F) -> F:
+    """The same for a function that is called from Python."""
+    return _compiled(function)
+
+
+def _compiled(function: F, **options: bool) -> F:
     with _kept_in(_FOLDER) as cache:
-        compiled: F = numba.njit(cache=cache, nogil=True, error_model="numpy", inline="always")(
-            function
-        )
-        return compiled
+        made: F = numba.njit(cache=cache, nogil=True, error_model="numpy", **options)(function)
+        return made
 
 
 def announce_compilation(entry: Any) -> None:
     """Say on stderr, once, that the first use ever compiles."""
-    if entry.signatures or (_FOLDER is not None and any(_FOLDER.glob(f"*/{entry.__module__.rpartition('.')[2]}.*.nbi"))):
+    if entry.signatures or (
+        _FOLDER is not None and any(_FOLDER.glob(f"*/{entry.__module__.rpartition('.')[2]}.*.nbi"))
+    ):
         return
     print("situgraph: compiling the matcher, once (10 to 20 s)", file=sys.stderr, flush=True)
 

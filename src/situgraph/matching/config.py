@@ -145,7 +145,13 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         _meta("Feasible sets narrower than this may be passed over", "m", "docs/matching.md", gt=0),
     ] = 0.001
     peak_step: Annotated[
-        float, _meta("Peaks are looked for from placements this near each other", "m", "docs/matching.md", gt=0)
+        float,
+        _meta(
+            "Peaks are looked for from placements this near each other",
+            "m",
+            "docs/matching.md",
+            gt=0,
+        ),
     ] = 0.05
     max_boxes: Annotated[
         int,

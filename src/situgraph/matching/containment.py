@@ -3,6 +3,8 @@
 Paper, section 'Object-semantic Filtering'; counts by category, at room and at plane level.
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -11,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from situgraph.matching.compiled import kernel
+from situgraph.matching.pointers import read
 from situgraph.matching.tables import Ints
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -37,8 +40,9 @@ class Stock(NamedTuple):
 
 
 @kernel
-def room_allowed(content, r, a):
+def room_allowed(case, r, a):
     """Whether prior room ``a`` holds what online room ``r`` holds."""
+    content = read(case.content)
     if len(content.room_need) == 0:
         return True
     for k in range(content.room_first[r], content.room_first[r + 1]):
@@ -48,8 +52,9 @@ def room_allowed(content, r, a):
 
 
 @kernel
-def plane_allowed(content, i, j):
+def plane_allowed(case, i, j):
     """Whether the prior plane of row ``j`` holds what the online plane of row ``i`` holds."""
+    content = read(case.content)
     if len(content.row_need) == 0:
         return True
     for k in range(content.row_first[i], content.row_first[i + 1]):

@@ -5,14 +5,15 @@ of two planes of a room that are not parallel, adjacent or not) is entered in ev
 and one look into one cell finds all rooms in question.
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
 
 import numpy as np
 
-from situgraph.matching.compiled import kernel
-from situgraph.matching.tables import Plan, Seen
+from situgraph.matching.compiled import entry, kernel
 
 NEAR_CELL, NEAR_REACH = 1.0, 1.5
 FAR_CELL, FAR_REACH = 4.0, 6.0
@@ -57,7 +58,7 @@ def corners_of(first, row, a, least_sine, out):
     return count
 
 
-@kernel
+@entry
 def enter_corners(first, row, storey, cell, reach, slack, least_sine, bits, start, room, tag):
     """Enter all corners; with empty ``room`` only count them (into ``start[bucket + 1]``).
 

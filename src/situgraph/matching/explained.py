@@ -4,6 +4,8 @@ Both tests take a box of placements: the yaw within ``turn`` of ``yaw``, the roo
 ``Slack`` says by how much a residual can change inside the box; with no slack the tests are strict.
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -13,6 +15,7 @@ import numpy as np
 
 from situgraph.matching.compiled import kernel
 from situgraph.matching.containment import plane_allowed
+from situgraph.matching.pointers import read
 from situgraph.matching.tables import FIT, MISSING, MOVED, Floats, Ints
 
 SLACK = 1e-9  # equality at a limit
@@ -85,8 +88,9 @@ def give(slack, nx, ny):
 
 
 @kernel
-def may_explain(seen, plan, limits, r, a, yaw, x, y, slack):
+def may_explain(case, r, a, yaw, x, y, slack):
     """A quick necessary test: counterparts and fitting planes are counted, not assigned."""
+    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
     missing = 0
     first_fit = 0.0
     fits, crossed = 0, False
@@ -118,25 +122,27 @@ def may_explain(seen, plan, limits, r, a, yaw, x, y, slack):
                 return False
     if seen.strict[r]:
         return True
-    return crossed or (fits >= 2 and _any_crossed(seen, plan, limits, r, a, yaw, x, y, slack))
+    return crossed or (fits >= 2 and _any_crossed(case, r, a, yaw, x, y, slack))
 
 
 @kernel
-def _any_crossed(seen, plan, limits, r, a, yaw, x, y, slack):
+def _any_crossed(case, r, a, yaw, x, y, slack):
     """Whether two planes that may fit are not parallel, the first one aside."""
+    seen, limits = read(case.seen), read(case.limits)
     for i in range(seen.first[r], seen.first[r + 1]):
-        if not _may_fit(seen, plan, limits, i, a, yaw, x, y, slack):
+        if not _may_fit(case, i, a, yaw, x, y, slack):
             continue
         for k in range(i + 1, seen.first[r + 1]):
             if abs(math.sin(seen.angle[i] - seen.angle[k])) >= limits.sine and _may_fit(
-                seen, plan, limits, k, a, yaw, x, y, slack
+                case, k, a, yaw, x, y, slack
             ):
                 return True
     return False
 
 
 @kernel
-def _may_fit(seen, plan, limits, i, a, yaw, x, y, slack):
+def _may_fit(case, i, a, yaw, x, y, slack):
+    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
     for j in range(plan.first[a], plan.first[a + 1]):
         bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
         if abs(bend) > limits.angle + slack.turn + SLACK:
@@ -149,25 +155,24 @@ def _may_fit(seen, plan, limits, i, a, yaw, x, y, slack):
 
 
 @kernel
-def explain(seen, plan, limits, content, r, a, yaw, x, y, slack, bench):
+def explain(case, r, a, yaw, x, y, slack):
     """The room score of the best assignment that explains ``r`` by ``a``; -inf when none does.
 
     The assignment is left in ``bench.kept`` (prior rows, -1 for missing) and ``bench.state``.
     """
+    seen, limits, bench = read(case.seen), read(case.limits), read(case.bench)
     begin = seen.first[r]
     n = seen.first[r + 1] - begin
     bare = 0
     strict = seen.strict[r]
     for i in range(n):
-        count = _counterparts(
-            seen, plan, limits, content, begin + i, i, a, yaw, x, y, slack, bench, strict
-        )
+        count = _counterparts(case, begin + i, i, a, yaw, x, y, slack, strict)
         if count == 0:
             bare += 1
             if strict or bare > 1:
                 return -np.inf
         if not strict:
-            _insert(bench, i, count, -1, limits.missing, MISSING)
+            _insert(case, i, count, -1, limits.missing, MISSING)
             count += 1
         bench.count[i] = count
     bench.best[n] = 0.0
@@ -175,15 +180,16 @@ def explain(seen, plan, limits, content, r, a, yaw, x, y, slack, bench):
         bench.best[i] = bench.best[i + 1] + bench.value[i, 0]
     for i in range(n):
         bench.pick[i] = 0
-    if _holds(seen, limits, begin, n, strict, bench):
-        _keep(bench, n)
+    if _holds(case, begin, n, strict):
+        _keep(case, n)
         return bench.best[0]
-    return _search(seen, limits, begin, n, strict, bench)
+    return _search(case, begin, n, strict)
 
 
 @kernel
-def _counterparts(seen, plan, limits, content, plane, i, a, yaw, x, y, slack, bench, strict):
+def _counterparts(case, plane, i, a, yaw, x, y, slack, strict):
     """List the prior planes that plane ``i`` can correspond to, the likeliest first."""
+    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
     count = 0
     for j in range(plan.first[a], plan.first[a + 1]):
         bend = wrapped(seen.angle[plane] + yaw - plan.row[j, 3])
@@ -194,21 +200,22 @@ def _counterparts(seen, plan, limits, content, plane, i, a, yaw, x, y, slack, be
         short = abs(off) - give(slack, nx, ny) - SLACK
         if short > limits.moved or (strict and short > limits.fit):
             continue
-        if not plane_allowed(content, plane, j):
+        if not plane_allowed(case, plane, j):
             continue
         tilt = bend * bend * limits.angle_weight
         if short <= limits.fit:
             value = limits.fit_peak - off * off * limits.plane_weight - tilt
-            _insert(bench, i, count, j, value, FIT)
+            _insert(case, i, count, j, value, FIT)
         else:
-            _insert(bench, i, count, j, limits.moved_base - tilt, MOVED)
+            _insert(case, i, count, j, limits.moved_base - tilt, MOVED)
         count += 1
     return count
 
 
 @kernel
-def _insert(bench, i, count, row, value, state):
+def _insert(case, i, count, row, value, state):
     """Insert by descending value; equal values stay in order."""
+    bench = read(case.bench)
     k = count
     while k > 0 and bench.value[i, k - 1] < value:
         bench.row[i, k] = bench.row[i, k - 1]
@@ -221,8 +228,9 @@ def _insert(bench, i, count, row, value, state):
 
 
 @kernel
-def _holds(seen, limits, begin, n, strict, bench):
+def _holds(case, begin, n, strict):
     """Whether the picked counterparts are distinct and meet the conditions."""
+    seen, limits, bench = read(case.seen), read(case.limits), read(case.bench)
     missing = 0
     for i in range(n):
         row = bench.row[i, bench.pick[i]]
@@ -248,15 +256,17 @@ def _holds(seen, limits, begin, n, strict, bench):
 
 
 @kernel
-def _keep(bench, n):
+def _keep(case, n):
+    bench = read(case.bench)
     for i in range(n):
         bench.kept[i] = bench.row[i, bench.pick[i]]
         bench.state[i] = bench.fits[i, bench.pick[i]]
 
 
 @kernel
-def _search(seen, limits, begin, n, strict, bench):
+def _search(case, begin, n, strict):
     """Depth first over the counterparts, cut by the best sum that the rest can add."""
+    bench = read(case.bench)
     best, depth, total, missing = -np.inf, 0, 0.0, 0
     for i in range(n):
         bench.pick[i] = -1
@@ -275,18 +285,19 @@ def _search(seen, limits, begin, n, strict, bench):
             continue
         total += bench.value[depth, k]
         missing += bench.row[depth, k] < 0
-        if missing > 1 or _taken(bench, depth):
+        if missing > 1 or _taken(case, depth):
             continue
         if depth + 1 < n:
             depth += 1
-        elif _holds(seen, limits, begin, n, strict, bench):
+        elif _holds(case, begin, n, strict):
             best = total
-            _keep(bench, n)
+            _keep(case, n)
     return best
 
 
 @kernel
-def _taken(bench, depth):
+def _taken(case, depth):
+    bench = read(case.bench)
     row = bench.row[depth, bench.pick[depth]]
     if row < 0:
         return False

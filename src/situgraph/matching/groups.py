@@ -5,6 +5,8 @@ one is explained wholly. Each group has an anchor, from which placements are hyp
 near it, which reject most of them at once.
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -12,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from situgraph.matching.compiled import kernel
+from situgraph.matching.pointers import read
 from situgraph.matching.tables import Ints
 
 
@@ -23,12 +26,13 @@ class Groups(NamedTuple):
 
 
 @kernel
-def form_groups(seen, rarity, count):
+def form_groups(case, rarity, count):
     """At most ``count`` groups around rooms whose planes are not parallel, the rarest first.
 
     ``rarity`` (N,) tells how many prior rooms are alike. There are fewer groups when fewer rooms
     can be anchors.
     """
+    seen = read(case.seen)
     rooms = len(seen.storey)
     group = np.full(rooms, -1, dtype=np.int64)
     anchors = np.empty(rooms, dtype=np.int64)
@@ -50,7 +54,7 @@ def form_groups(seen, rarity, count):
     left = rooms - made
     while left > 0 and made > 0:
         for g in range(made):
-            near = _nearest(seen, anchors[g], group)
+            near = _nearest(case, anchors[g], group)
             if near >= 0:
                 group[near] = g
                 first[g + 1] += 1
@@ -62,8 +66,8 @@ def form_groups(seen, rarity, count):
         for r in range(rooms):
             if group[r] == g and r != anchors[g]:
                 k = at
-                while k > first[g] + 1 and _apart(seen, anchors[g], member[k - 1]) > _apart(
-                    seen, anchors[g], r
+                while k > first[g] + 1 and _apart(case, anchors[g], member[k - 1]) > _apart(
+                    case, anchors[g], r
                 ):
                     member[k] = member[k - 1]
                     k -= 1
@@ -73,16 +77,17 @@ def form_groups(seen, rarity, count):
 
 
 @kernel
-def _apart(seen, one, two):
+def _apart(case, one, two):
+    seen = read(case.seen)
     x = seen.center[one, 0] - seen.center[two, 0]
     y = seen.center[one, 1] - seen.center[two, 1]
     return x * x + y * y
 
 
 @kernel
-def _nearest(seen, anchor, group):
+def _nearest(case, anchor, group):
     best = -1
     for r in range(len(group)):
-        if group[r] < 0 and (best < 0 or _apart(seen, anchor, r) < _apart(seen, anchor, best)):
+        if group[r] < 0 and (best < 0 or _apart(case, anchor, r) < _apart(case, anchor, best)):
             best = r
     return best

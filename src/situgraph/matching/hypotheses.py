@@ -1,5 +1,7 @@
 """Boxes of placements that bring planes of an online room onto planes of a prior room."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -9,16 +11,18 @@ import numpy as np
 from situgraph.matching.boxes import AX, AY, HU, HV, PX, PY, SIDES, TURN, UX, UY, YAW, slack_of
 from situgraph.matching.compiled import kernel
 from situgraph.matching.explained import SLACK, explain, may_explain, no_slack, wrapped
+from situgraph.matching.pointers import read
 
 SHAPE_BOXES = 4000  # searched at most for one placement of one room in isolation
 
 
 @kernel
-def pair_box(seen, plan, limits, i, k, j, l, wx, wy, box):
+def pair_box(case, i, k, j, l, wx, wy, box):
     """The box in which plane ``i`` fits ``j`` and ``k`` fits ``l``; False when there is none.
 
     Plane ``k`` may belong to another room, whose centre lies at ``(wx, wy)`` from the anchor.
     """
+    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
     one = wrapped(plan.row[j, 3] - seen.angle[i])
     two = one + wrapped(plan.row[l, 3] - seen.angle[k] - one)
     turn = limits.angle + SLACK - abs(two - one) / 2
@@ -44,12 +48,13 @@ def pair_box(seen, plan, limits, i, k, j, l, wx, wy, box):
 
 
 @kernel
-def room_boxes(seen, plan, limits, r, a, out):
+def room_boxes(case, r, a, out):
     """All boxes in which two planes of ``r`` that are not parallel fit ``a``, and it may be explained.
 
     Into ``out`` (k, SIDES), anchored at the room's centre; returns how many there are. When ``out`` is
     too small, the number is right all the same.
     """
+    seen, plan = read(case.seen), read(case.plan)
     count = 0
     box = np.empty(SIDES)
     box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
@@ -57,31 +62,31 @@ def room_boxes(seen, plan, limits, r, a, out):
         i, k = seen.crossed[c, 0], seen.crossed[c, 1]
         for j in range(plan.first[a], plan.first[a + 1]):
             for l in range(plan.first[a], plan.first[a + 1]):
-                if l == j or not pair_box(seen, plan, limits, i, k, j, l, 0.0, 0.0, box):
+                if l == j or not pair_box(case, i, k, j, l, 0.0, 0.0, box):
                     continue
                 slack = slack_of(box, 0.0, 0.0)
-                if not may_explain(
-                    seen, plan, limits, r, a, box[YAW], box[PX], box[PY], slack
-                ):
+                if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
                     continue
                 if count < len(out):
-                    out[count] = box
+                    for k_ in range(SIDES):
+                        out[count, k_] = box[k_]
                 count += 1
     return count
 
 
 @kernel
-def fits_somewhere(seen, plan, limits, content, r, a, bench, boxes):
+def fits_somewhere(case, r, a, boxes):
     """Whether ``a`` explains ``r`` in isolation, at any placement; ``boxes`` is room to work in."""
-    count = room_boxes(seen, plan, limits, r, a, boxes)
+    count = room_boxes(case, r, a, boxes)
     for b in range(min(count, len(boxes))):
-        if _explained_in(seen, plan, limits, content, r, a, bench, boxes[b]):
+        if _explained_in(case, r, a, boxes[b]):
             return True
     return False
 
 
 @kernel
-def _explained_in(seen, plan, limits, content, r, a, bench, start):
+def _explained_in(case, r, a, start):
+    limits = read(case.limits)
     stack = np.empty((64, SIDES))
     stack[0] = start
     depth = 1
@@ -91,10 +96,10 @@ def _explained_in(seen, plan, limits, content, r, a, bench, start):
         depth -= 1
         box = stack[depth].copy()
         x, y = box[PX], box[PY]
-        if explain(seen, plan, limits, content, r, a, box[YAW], x, y, no_slack(), bench) > -np.inf:
+        if explain(case, r, a, box[YAW], x, y, no_slack()) > -np.inf:
             return True
         slack = slack_of(box, 0.0, 0.0)
-        if explain(seen, plan, limits, content, r, a, box[YAW], x, y, slack, bench) == -np.inf:
+        if explain(case, r, a, box[YAW], x, y, slack) == -np.inf:
             continue
         widths = (5 * box[TURN], box[HU], box[HV])
         side = 0
@@ -112,8 +117,8 @@ def _explained_in(seen, plan, limits, content, r, a, bench, start):
 @kernel
 def split(box, side, one, two):
     """The two halves of a box, cut across an axis: 0 the yaw, 1 along, 2 across."""
-    one[:] = box
-    two[:] = box
+    for k in range(SIDES):
+        one[k] = two[k] = box[k]
     if side == 0:
         half = box[TURN] / 2
         one[TURN] = two[TURN] = half

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from functools import cached_property
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from situgraph.matching.corners import (
     corner_table,
 )
 from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
+from situgraph.matching.semantics import PlannedObjects, planned_objects
 from situgraph.matching.tables import Floats, Ints, Plan
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -61,6 +63,11 @@ class PlanIndex:
         self.stock: Stock = stock_of(prior, kept, source)
         self.room_ids = [prior.rooms[k].id for k in kept]
         self.seconds = time.perf_counter() - begin
+
+    @cached_property
+    def objects(self) -> PlannedObjects:
+        """The objects of the plan that are evidence."""
+        return planned_objects(self.prior, self.kept, self.origin, self.config)
 
     @property
     def rooms(self) -> int:

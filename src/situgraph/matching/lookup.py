@@ -4,6 +4,8 @@ A superset of the truth, by the corner hash (rooms with a corner) or by lines (r
 planes, which any room with the same lines explains, however far along them).
 """
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -21,6 +23,7 @@ from situgraph.matching.corners import (
     sector_of,
 )
 from situgraph.matching.explained import wrapped
+from situgraph.matching.pointers import read
 from situgraph.matching.tables import Ints
 
 
@@ -36,18 +39,21 @@ class Finder(NamedTuple):
 def new_finder(rooms):
     """A finder for a plan of so many rooms."""
     return Finder(
-        np.empty(rooms, dtype=np.int64), np.zeros(rooms, dtype=np.int64), np.zeros(1, dtype=np.int64)
+        np.empty(rooms, dtype=np.int64),
+        np.zeros(rooms, dtype=np.int64),
+        np.zeros(1, dtype=np.int64),
     )
 
 
 @kernel
-def find(seen, plan, limits, finder, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
+def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
     """Find rooms on ``storey`` that might explain ``r``; returns how many stand in ``finder.room``.
 
     The placements turn by ``yaw`` up to ``turn`` more or less, and take the point ``(ax, ay)`` of the
     map to within ``spread`` of ``(px, py)``. Of a box too wide for the index all
     rooms are returned, or -1 unless ``all_if_wide``.
     """
+    seen, plan, finder = read(case.seen), read(case.plan), read(case.finder)
     finder.turn[0] += 1
     c, s = math.cos(yaw), math.sin(yaw)
     if seen.flat[r]:
@@ -56,7 +62,7 @@ def find(seen, plan, limits, finder, r, storey, yaw, turn, ax, ay, px, py, sprea
         x, y = px + c * ux - s * uy, py + s * ux + c * uy
         if slip > FAR_REACH and not all_if_wide:
             return -1
-        return _by_line(seen, plan, limits, finder, r, storey, yaw, turn, x, y, slip)
+        return _by_line(case, r, storey, yaw, turn, x, y, slip)
     count = 0
     for k in range(seen.probe_first[r], seen.probe_first[r + 1]):
         ux, uy = seen.probe_arm[k, 0] - ax, seen.probe_arm[k, 1] - ay
@@ -73,7 +79,7 @@ def find(seen, plan, limits, finder, r, storey, yaw, turn, ax, ay, px, py, sprea
         elif not all_if_wide:
             return -1
         else:
-            return _everywhere(plan, finder, storey)
+            return _everywhere(case, storey)
         b = h & (len(start) - 2)
         name = (h >> 24) & 0xFFFF
         for e in range(start[b], start[b + 1]):
@@ -91,7 +97,8 @@ def find(seen, plan, limits, finder, r, storey, yaw, turn, ax, ay, px, py, sprea
 
 
 @kernel
-def _everywhere(plan, finder, storey):
+def _everywhere(case, storey):
+    plan, finder = read(case.plan), read(case.finder)
     count = 0
     for a in range(len(plan.storey)):
         if plan.storey[a] == storey:
@@ -101,8 +108,14 @@ def _everywhere(plan, finder, storey):
 
 
 @kernel
-def _by_line(seen, plan, limits, finder, r, storey, yaw, turn, x, y, slip):
+def _by_line(case, r, storey, yaw, turn, x, y, slip):
     """Rooms that have the line of the room's first plane."""
+    seen, plan, limits, finder = (
+        read(case.seen),
+        read(case.plan),
+        read(case.limits),
+        read(case.finder),
+    )
     i = seen.first[r]
     far = math.sqrt(x * x + y * y) + slip
     count = 0

@@ -67,11 +67,21 @@ def match(
     if len(kept) and index.rooms:
         peaks, alike, done = find_peaks(seen, index.table, limits, content, mapping, least)
     else:
-        peaks, alike, done = np.empty((0, 5)), np.zeros(len(kept), dtype=np.int64), np.zeros(4, dtype=np.int64)
+        peaks, alike, done = (
+            np.empty((0, 5)),
+            np.zeros(len(kept), dtype=np.int64),
+            np.zeros(4, dtype=np.int64),
+        )
     shift = peaks[:, 0].astype(np.int64)
     peaks[:, 0] = shifts[shift] if len(shift) else 0.0
     outside = log_outside(alike, seen.shape, index.rooms, settings)
+    inputs = Inputs(
+        online, index, settings, semantics, kept, source, seen, middle, content, mapping, limits
+    )
+    if semantics == "likelihood":
+        for k in range(len(peaks)):
+            yaw, x, y = peaks[k, 1:4].tolist()
+            peaks[k, 4] += inputs.evidence(int(shift[k]), yaw, x, y).value
     posterior = judge(peaks, shift, outside, index.area, settings)
     end = time.perf_counter()
-    inputs = Inputs(online, index, settings, semantics, kept, source, seen, middle, content, mapping, limits)
     return MatchResult(inputs, posterior, alike, done, (end - searched, end - begin))

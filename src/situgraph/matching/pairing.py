@@ -1,5 +1,7 @@
 """Which online room goes to which prior room: most rooms, then the largest sum of scores."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -7,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from situgraph.matching.compiled import kernel
+from situgraph.matching.pointers import read
 from situgraph.matching.tables import Floats, Ints
 
 TIE = 1e-9  # share of a score by which smaller prior indices are preferred
@@ -36,8 +39,9 @@ def new_options(rooms, prior_rooms):
 
 
 @kernel
-def add_option(options, r, a, score):
+def add_option(case, r, a, score):
     """Insert an option by descending score, then ascending index."""
+    options = read(case.options)
     n = options.count[r]
     most = options.room.shape[1]
     if n == most:
@@ -58,8 +62,9 @@ def add_option(options, r, a, score):
 
 
 @kernel
-def pair_up(options, chosen):
+def pair_up(case, chosen):
     """Set ``chosen[r]`` to the prior room of each online room, -1 for none; returns how many have one."""
+    options = read(case.options)
     rooms = len(options.count)
     for r in range(rooms):
         for k in range(options.count[r]):
@@ -77,7 +82,7 @@ def pair_up(options, chosen):
             chosen[r] = -2
             conflicts += 1
     if conflicts > 0:
-        pairs += _settle(options, chosen, conflicts)
+        pairs += _settle(case, chosen, conflicts)
     for r in range(rooms):
         for k in range(options.count[r]):
             options.owner[options.room[r, k]] = 0
@@ -85,8 +90,9 @@ def pair_up(options, chosen):
 
 
 @kernel
-def _settle(options, chosen, conflicts):
+def _settle(case, chosen, conflicts):
     """Assign the rooms marked -2 among the prior rooms they have as options."""
+    options = read(case.options)
     rows = np.empty(conflicts, dtype=np.int64)
     n = 0
     for r in range(len(chosen)):

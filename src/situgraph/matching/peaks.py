@@ -1,5 +1,7 @@
 """The peak of a feasible placement: least squares with the correspondences held, until they stay."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -8,6 +10,7 @@ import numpy as np
 
 from situgraph.matching.compiled import kernel
 from situgraph.matching.explained import wrapped
+from situgraph.matching.pointers import read
 from situgraph.matching.tables import FIT, MOVED
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
@@ -17,9 +20,16 @@ SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 
 
 @kernel
-def optimum(seen, plan, limits, view, work, at, out):
-    """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``view``."""
-    tally_planes(seen, view, work)
+def optimum(case, spot, at, out):
+    """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``spot``."""
+    view = read(spot)
+    seen, plan, limits, tally = (
+        read(case.seen),
+        read(case.plan),
+        read(case.limits),
+        read(case.tally),
+    )
+    tally_planes(case, spot)
     yaw, x, y = at[0], at[1], at[2]
     for _ in range(STEPS):
         c, s = math.cos(yaw), math.sin(yaw)
@@ -33,10 +43,10 @@ def optimum(seen, plan, limits, view, work, at, out):
             for i in range(seen.first[r], seen.first[r + 1]):
                 fit = view.state[i] == FIT
                 p = seen.plane[i]
-                if not fit and (view.state[i] != MOVED or work.tally[p, 0] > 0):
+                if not fit and (view.state[i] != MOVED or tally.sums[p, 0] > 0):
                     continue
                 j = view.row[i]
-                count = work.tally[p, 0] if fit else work.tally[p, 3]
+                count = tally.sums[p, 0] if fit else tally.sums[p, 3]
                 bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
                 weight = limits.angle_weight / count
                 h[0, 0] += weight
@@ -84,56 +94,56 @@ def _solve(h, g):
 
 
 @kernel
-def feasible(seen, plan, limits, content, storeys, least, work, view, at):
-    """Fill ``view`` at a placement (yaw, x, y); whether it is feasible."""
-    count = look(seen, plan, limits, content, storeys, work, view, at[0], at[1], at[2], 0.0, 0.0)
-    return count >= least and fixes(seen, limits, view)
+def feasible(case, spot, at):
+    """Fill ``spot`` at a placement (yaw, x, y); whether it is feasible."""
+    view = read(spot)
+    task = read(case.task)
+    count = look(case, spot, at[0], at[1], at[2], 0.0, 0.0)
+    return count >= task.least and fixes(case, spot)
 
 
 @kernel
-def climb(seen, plan, limits, content, storeys, least, work, at):
-    """Climb from a feasible placement, whose view is ``work.one``, to its peak.
+def climb(case, at):
+    """Climb from a feasible placement, whose view is ``case.one``, to its peak.
 
-    ``at`` (3,) becomes the peak, ``work.one`` its view; returns L there.
+    ``at`` (3,) becomes the peak, ``case.one`` its view; returns L there.
     """
-    height = evidence(seen, limits, work.one, work)
+    height = evidence(case, case.one)
     goal, tried = np.empty(3), np.empty(3)
     for _ in range(ROUNDS):
-        optimum(seen, plan, limits, work.one, work, at, goal)
-        tried[:] = goal
-        if not feasible(seen, plan, limits, content, storeys, least, work, work.two, tried):
-            if not _last_feasible(
-                seen, plan, limits, content, storeys, least, work, at, goal, tried
-            ):
+        optimum(case, case.one, at, goal)
+        _part_way(goal, goal, 0.0, 0.0, tried)
+        if not feasible(case, case.two, tried):
+            if not _last_feasible(case, at, goal, tried):
                 break
-        value = evidence(seen, limits, work.two, work)
+        value = evidence(case, case.two)
         if value <= height + 1e-12:
             break
         height = value
-        stays = _same(work.one, work.two)
-        at[:] = tried
-        copy_view(work.two, work.one)
+        stays = _same(case)
+        _part_way(tried, tried, 0.0, 0.0, at)
+        copy_view(case.two, case.one)
         if stays:
             break
     return height
 
 
 @kernel
-def _last_feasible(seen, plan, limits, content, storeys, least, work, at, goal, tried):
+def _last_feasible(case, at, goal, tried):
     """Into ``tried`` the last feasible placement found by bisection on the way to ``goal``."""
     low, high, last = 0.0, 1.0, 0.0
     turn = wrapped(goal[0] - at[0])
     while high - low > SMALLEST_STEP:
         share = (low + high) / 2
         _part_way(at, goal, turn, share, tried)
-        if feasible(seen, plan, limits, content, storeys, least, work, work.two, tried):
+        if feasible(case, case.two, tried):
             low = last = share
         else:
             high = share
     if last == 0.0:
         return False
     _part_way(at, goal, turn, last, tried)
-    return feasible(seen, plan, limits, content, storeys, least, work, work.two, tried)
+    return feasible(case, case.two, tried)
 
 
 @kernel
@@ -144,8 +154,9 @@ def _part_way(at, goal, turn, share, out):
 
 
 @kernel
-def _same(one, two):
-    """Whether two views hold the same correspondences in the same states."""
+def _same(case):
+    """Whether the two views hold the same correspondences in the same states."""
+    one, two = read(case.one), read(case.two)
     for r in range(len(one.room)):
         if one.room[r] != two.room[r]:
             return False

@@ -1,5 +1,7 @@
 """Candidates from peaks, their weights against 'not in this plan', and the verdict: section 5."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -7,7 +9,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import entry
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.explained import wrapped
 from situgraph.matching.tables import Floats, Ints
@@ -26,7 +28,7 @@ class Posterior(NamedTuple):
     verdict: Verdict
 
 
-@kernel
+@entry
 def distinct(peaks, distance, yaw, height):
     """Rows of peaks (height, yaw, x, y, L), sorted best first, that no better kept one is the same as."""
     kept = np.empty(len(peaks), dtype=np.int64)
@@ -60,9 +62,7 @@ def judge(
 ) -> Posterior:
     """Weigh the peaks (height, yaw, x, y, L) against each other and against 'not in this plan'."""
     order = np.lexsort((peaks[:, 3], peaks[:, 2], peaks[:, 1], peaks[:, 0], -peaks[:, 4].round(9)))
-    order = order[
-        distinct(peaks[order], config.same_distance, config.same_yaw, config.same_height)
-    ]
+    order = order[distinct(peaks[order], config.same_distance, config.same_yaw, config.same_height)]
     candidate = peaks[order]
     spread = 2 * math.pi * config.plane_sigma**2 / (4 * area)
     weight = candidate[:, 4] + math.log(1 - config.outside_prior) + math.log(spread)

@@ -1,5 +1,7 @@
 """Scene graphs as tables: rooms of plan lines, as section 1 of ``docs/matching.md`` has them."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -7,9 +9,9 @@ import math
 import numpy as np
 
 from situgraph.errors import InputError
-from situgraph.matching.compiled import kernel
-from situgraph.matching.tables import Flags, Floats, Ints, Limits, Seen
+from situgraph.matching.compiled import entry, kernel
 from situgraph.matching.config import MatchingConfig
+from situgraph.matching.tables import Floats, Ints, Limits, Seen
 from situgraph.scenegraph.graph import SceneGraph
 
 
@@ -50,7 +52,9 @@ def raw_rooms(graph: SceneGraph) -> tuple[Floats, Floats, Ints, Ints]:
         problem = f"a room names the plane {error.args[0]!r}, which is not there"
         raise InputError(graph.name or "scene graph", problem, "add the plane") from error
     centers = np.array([r.center for r in graph.rooms], dtype=np.float64).reshape(-1, 3)
-    planes = np.array([(*p.normal, p.offset) for p in graph.planes], dtype=np.float64).reshape(-1, 4)
+    planes = np.array([(*p.normal, p.offset) for p in graph.planes], dtype=np.float64).reshape(
+        -1, 4
+    )
     counts = np.array([len(r.planes) for r in graph.rooms], dtype=np.int64)
     return centers, planes, np.array(names, dtype=np.int64), counts
 
@@ -61,7 +65,7 @@ def storey_heights(graph: SceneGraph) -> Floats:
     return np.array([elevation.get(r.storey, 0.0) if r.storey else 0.0 for r in graph.rooms])
 
 
-@kernel
+@entry
 def plan_lines(centers, planes, names, counts, tilt):
     """Rooms with two usable planes as lines in the plan.
 
@@ -100,7 +104,7 @@ def plan_lines(centers, planes, names, counts, tilt):
     return kept[:rooms], first[: rooms + 1], normal[:rows], distance[:rows], source[:rows]
 
 
-@kernel
+@entry
 def seen_table(centers, kept, first, normal, distance, source, storeys, limits):
     """The online rooms as the search wants them, and the mean of their centres (2,)."""
     rooms, rows = len(kept), len(distance)
@@ -136,8 +140,22 @@ def seen_table(centers, kept, first, normal, distance, source, storeys, limits):
             reach[k] = _reach(angle[j] - angle[i], length, limits)
     crossed_first, crossed = _crossings(first, angle, limits.sine)
     table = Seen(
-        center, first, angle, distance, plane, planes, strict, flat, storey,
-        _shape(first, plane, planes), crossed_first, crossed, probe_first, probe[:probes], arm, reach,
+        center,
+        first,
+        angle,
+        distance,
+        plane,
+        planes,
+        strict,
+        flat,
+        storey,
+        _shape(first, plane, planes),
+        crossed_first,
+        crossed,
+        probe_first,
+        probe[:probes],
+        arm,
+        reach,
     )
     return table, middle
 

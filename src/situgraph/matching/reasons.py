@@ -1,13 +1,84 @@
-"""The verdict in a sentence."""
+"""The verdict of a match in one sentence, with the figures it stands on."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from situgraph.matching.result import MatchResult
+    from situgraph.matching.solution import Solution
 
 
 def reason(result: MatchResult) -> str:
-    """Why the verdict is what it is, with figures."""
-    return result.verdict
+    """Why the verdict is what it is."""
+    if result.verdict == "none":
+        return _none(result)
+    return _unique(result) if result.unique else _ambiguous(result)
+
+
+def _none(result: MatchResult) -> str:
+    least, rooms, prior = result.figures
+    if rooms == 0:
+        return "no online room has two planes that can be used"
+    if prior == 0:
+        return "no room of the plan has two planes that can be used"
+    candidates = result.stats["candidates"]
+    if candidates == 0:
+        tried = result.stats["hypotheses"]
+        return f"no placement explains at least {least} of {rooms} rooms ({tried} tried)"
+    outside = f"{100 * result.probability_outside:.3g} %"
+    return (
+        f"{_placements(candidates)} at least {least} of {rooms} rooms, but rooms like these fit by "
+        f"chance: not in this plan is the most probable ({outside})"
+    )
+
+
+def _unique(result: MatchResult) -> str:
+    best = result.solutions[0]
+    first = f"one placement explains {_share(best, result)}"
+    rival = result.candidate(1)
+    if rival is None:
+        least, rooms, _ = result.figures
+        return f"{first}; no other one explains at least {least} of {rooms}"
+    odds = best.probability / rival.probability if rival.probability > 0 else math.inf
+    return f"{first}; the next best explains {_share(rival, result)}, {_odds(odds)}"
+
+
+def _ambiguous(result: MatchResult) -> str:
+    best = result.solutions[0]
+    chance = f"{100 * best.probability:.3g} %"
+    if result.count == 1:
+        if not result.complete:
+            return f"one placement explains {_share(best, result)}, but the search was cut short"
+        outside = f"{100 * result.probability_outside:.3g} %"
+        return (
+            f"one placement explains {_share(best, result)} with probability {chance}, which is "
+            f"not enough; not in this plan has {outside}"
+        )
+    second = result.solutions[1]
+    return (
+        f"{result.count:,} placements cannot be told apart; the best explains "
+        f"{_share(best, result)} ({chance}), the next {_share(second, result)} "
+        f"({100 * second.probability:.3g} %)"
+    )
+
+
+def _share(solution: Solution, result: MatchResult) -> str:
+    """``6 of 6 rooms with two moved walls``."""
+    text = f"{len(solution.rooms)} of {result.figures[1]} rooms"
+    moved = solution.moved
+    if moved:
+        walls = "one moved wall" if moved == 1 else f"{moved} moved walls"
+        text += f" with {walls}"
+    return text
+
+
+def _placements(count: int) -> str:
+    return "one placement explains" if count == 1 else f"{count:,} placements explain"
+
+
+def _odds(ratio: float) -> str:
+    if ratio > 1e9:
+        return "less than 1:1,000,000,000"
+    return f"1:{ratio:,.0f}"

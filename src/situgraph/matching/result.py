@@ -16,7 +16,7 @@ class MatchResult:
 
     Attributes:
         verdict: ``unique``, ``ambiguous`` or ``none``.
-        certified: the verdict is unique, the search was complete, and the policy has an error model.
+        certified: unique, by a complete search, under a policy that has an error model.
         probability_outside: the probability that the robot is not in this plan.
     """
 
@@ -65,6 +65,19 @@ class MatchResult:
         """The solutions, best first, ``max_solutions`` at most."""
         listed = min(self.count, self._inputs.config.max_solutions)
         return tuple(Solution(self._inputs, self._posterior, k) for k in range(listed))
+
+    def candidate(self, rank: int) -> Solution | None:
+        """The candidate of this rank, whether a solution or not; None when there are fewer."""
+        if rank >= len(self._posterior.candidate):
+            return None
+        return Solution(self._inputs, self._posterior, rank)
+
+    @property
+    def figures(self) -> tuple[int, int, int]:
+        """K, the online rooms that count, the prior rooms that count."""
+        inputs = self._inputs
+        rooms = len(inputs.kept)
+        return inputs.config.least_rooms(rooms), rooms, inputs.index.rooms
 
     @property
     def best(self) -> Solution | None:

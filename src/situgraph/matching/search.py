@@ -1,5 +1,7 @@
 """The search for all candidates: section 7 of ``docs/matching.md``."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -8,17 +10,43 @@ from typing import NamedTuple
 import numpy as np
 
 from situgraph.matching.boxes import (
-    AX, AY, HU, HV, PX, PY, SIDES, TURN, UX, UY, YAW, Spans, new_spans, possible, radius, represented, shrink,
+    AX,
+    AY,
+    HU,
+    HV,
+    PX,
+    PY,
+    SIDES,
+    TURN,
+    UX,
+    UY,
+    YAW,
+    Spans,
+    new_spans,
+    possible,
+    radius,
+    represented,
+    shrink,
+    slack_of,
 )
-from situgraph.matching.compiled import kernel
-from situgraph.matching.explained import give, may_explain, wrapped
-from situgraph.matching.boxes import slack_of
+from situgraph.matching.compiled import entry, kernel
 from situgraph.matching.containment import room_allowed
+from situgraph.matching.explained import Bench, give, may_explain, new_bench, wrapped
 from situgraph.matching.groups import form_groups
 from situgraph.matching.hypotheses import fits_somewhere, pair_box, room_boxes, split
+from situgraph.matching.lookup import Finder, new_finder
+from situgraph.matching.pairing import Options, new_options
 from situgraph.matching.peaks import climb, feasible, optimum
-from situgraph.matching.tables import Floats, Ints
-from situgraph.matching.views import Work, fixes, look, new_work
+from situgraph.matching.pointers import pointer, read
+from situgraph.matching.tables import Case, Floats, Ints, Task
+from situgraph.matching.views import (
+    Tally,
+    View,
+    fixes,
+    look,
+    new_tally,
+    new_view,
+)
 
 ROUNDS = 8  # of shrinking one box
 GAIN = 0.8  # a round that leaves more of the box is the last
@@ -47,63 +75,70 @@ def add_peak(found, at, height):
         grown = np.empty((2 * len(peaks), 4))
         grown[: len(peaks)] = peaks
         peaks = grown
-    peaks[count[0], :3] = at
+    for k in range(3):
+        peaks[count[0], k] = at[k]
     peaks[count[0], 3] = height
     count[0] += 1
     return Found(peaks, count)
 
 
 @kernel
-def search(seen, plan, limits, content, storeys, least, alike, found, work, spans):
+def search(case, alike, found):
     """Find the peaks of all feasible placements for one shift of the storeys."""
+    seen, plan, spans, task = read(case.seen), read(case.plan), read(case.spans), read(case.task)
     rooms = len(seen.storey)
-    groups = form_groups(seen, alike, rooms - least + 1)
+    groups = form_groups(case, alike, rooms - task.least + 1)
     made = len(groups.first) - 1
     boxes = np.empty((256, SIDES))
     for g in range(made):
         members = groups.member[groups.first[g] : groups.first[g + 1]]
         r = members[0]
-        storey = storeys[seen.storey[r]]
-        spans.required[:] = False
+        storey = task.storeys[seen.storey[r]]
+        for m in range(rooms):
+            spans.required[m] = False
         for m in members:
             spans.required[m] = True
         if storey < 0:
             continue
         for a in range(len(plan.storey)):
-            if plan.storey[a] != storey or not room_allowed(content, r, a):
+            if plan.storey[a] != storey or not room_allowed(case, r, a):
                 continue
-            count = room_boxes(seen, plan, limits, r, a, boxes)
+            count = room_boxes(case, r, a, boxes)
             if count > len(boxes):
                 boxes = np.empty((2 * count, SIDES))
-                room_boxes(seen, plan, limits, r, a, boxes)
+                room_boxes(case, r, a, boxes)
             for b in range(count):
                 found.count[1] += 1
-                if _partners(seen, plan, limits, content, storeys, work, boxes[b], members):
-                    found = explore(
-                        seen, plan, limits, content, storeys, least, work, spans, found, boxes[b]
-                    )
-    if made < rooms - least + 1:
-        found = _corridors(seen, plan, limits, content, storeys, least, work, spans, found, made)
+                if _partners(case, boxes[b], members):
+                    found = explore(case, found, boxes[b])
+    if made < rooms - task.least + 1:
+        found = _corridors(case, found, made)
     return found
 
 
 @kernel
-def _partners(seen, plan, limits, content, storeys, work, box, members):
+def _partners(case, box, members):
     """Whether the other rooms of the group may be explained somewhere in the box."""
     for k in range(1, len(members)):
-        if not possible(seen, plan, limits, content, storeys, work.finder, box, members[k]):
+        if not possible(case, box, members[k]):
             return False
     return True
 
 
 @kernel
-def _corridors(seen, plan, limits, content, storeys, least, work, spans, found, anchors):
+def _corridors(case, found, anchors):
     """Placements that explain no room but such of parallel planes: two of them in two directions.
 
     All anchors are unexplained then, so of this many corridors one at least is explained.
     """
+    seen, limits, spans, task = (
+        read(case.seen),
+        read(case.limits),
+        read(case.spans),
+        read(case.task),
+    )
     rooms = len(seen.storey)
-    needed = rooms - least - anchors + 1
+    needed = rooms - task.least - anchors + 1
     box = np.empty(SIDES)
     for r in range(rooms):
         if not seen.flat[r] or needed <= 0:
@@ -111,47 +146,46 @@ def _corridors(seen, plan, limits, content, storeys, least, work, spans, found, 
         needed -= 1
         for q in range(rooms):
             turn = abs(math.sin(seen.angle[seen.first[r]] - seen.angle[seen.first[q]]))
-            # Of two directions that differ by the least sine, one differs half as much from any third.
+            # Of two directions that differ by the task.least sine, one differs half as much from any third.
             if not seen.flat[q] or turn < 0.45 * limits.sine:
                 continue
-            spans.required[:] = False
+            for m in range(rooms):
+                spans.required[m] = False
             spans.required[r] = True
             spans.required[q] = True
-            found = _crossing(
-                seen, plan, limits, content, storeys, least, work, spans, found, r, q, box
-            )
+            found = _crossing(case, found, r, q, box)
     return found
 
 
 @kernel
-def _crossing(seen, plan, limits, content, storeys, least, work, spans, found, r, q, box):
+def _crossing(case, found, r, q, box):
     """All placements that explain the corridors ``r`` and ``q``."""
-    one, two = storeys[seen.storey[r]], storeys[seen.storey[q]]
+    seen, plan, task = read(case.seen), read(case.plan), read(case.task)
+    one, two = task.storeys[seen.storey[r]], task.storeys[seen.storey[q]]
     i, k = seen.first[r], seen.first[q]
     box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
     wx, wy = seen.center[q, 0] - box[AX], seen.center[q, 1] - box[AY]
     for a in range(len(plan.storey)):
-        if plan.storey[a] != one or not room_allowed(content, r, a):
+        if plan.storey[a] != one or not room_allowed(case, r, a):
             continue
         for b in range(len(plan.storey)):
-            if plan.storey[b] != two or not room_allowed(content, q, b):
+            if plan.storey[b] != two or not room_allowed(case, q, b):
                 continue
             for j in range(plan.first[a], plan.first[a + 1]):
                 for l in range(plan.first[b], plan.first[b + 1]):
-                    if not pair_box(seen, plan, limits, i, k, j, l, wx, wy, box):
+                    if not pair_box(case, i, k, j, l, wx, wy, box):
                         continue
                     found.count[1] += 1
                     slack = slack_of(box, 0.0, 0.0)
-                    if may_explain(seen, plan, limits, r, a, box[YAW], box[PX], box[PY], slack):
-                        found = explore(
-                            seen, plan, limits, content, storeys, least, work, spans, found, box
-                        )
+                    if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
+                        found = explore(case, found, box)
     return found
 
 
 @kernel
-def explore(seen, plan, limits, content, storeys, least, work, spans, found, start):
+def explore(case, found, start):
     """Branch and bound: until all of the box is known to be infeasible, or represented by a peak."""
+    seen, limits = read(case.seen), read(case.limits)
     arm = 1.0
     for r in range(len(seen.storey)):
         arm = max(arm, math.hypot(seen.center[r, 0], seen.center[r, 1]))
@@ -166,24 +200,22 @@ def explore(seen, plan, limits, content, storeys, least, work, spans, found, sta
         if found.count[2] > limits.max_boxes:
             found.count[3] = 1
             break
-        if not _squeeze(seen, plan, limits, content, storeys, least, work, spans, box, arm):
+        if not _squeeze(case, box, arm):
             continue
         if box[AX] != 0.0 or box[AY] != 0.0:
             _move_anchor(box)
-            if not _squeeze(seen, plan, limits, content, storeys, least, work, spans, box, arm):
+            if not _squeeze(case, box, arm):
                 continue
-        if _known(seen, plan, limits, content, storeys, work, box, found):
+        if _known(case, box, found):
             continue
         before = found.count[0]
-        state = _witness(seen, plan, limits, content, storeys, least, work, box, arm, at)
+        state = _witness(case, box, arm, at)
         if state < 0:
             continue
         if state > 0:
-            height = climb(seen, plan, limits, content, storeys, least, work, at)
+            height = climb(case, at)
             found = add_peak(found, at, height)
-            if found.count[0] > before and _known(
-                seen, plan, limits, content, storeys, work, box, found
-            ):
+            if found.count[0] > before and _known(case, box, found):
                 continue
         side, widest = 0, box[TURN] * arm
         if box[HU] > widest:
@@ -214,11 +246,11 @@ def _move_anchor(box):
 
 
 @kernel
-def _squeeze(seen, plan, limits, content, storeys, least, work, spans, box, arm):
+def _squeeze(case, box, arm):
     """Shrink a box while it pays; False when nothing is left."""
     for _ in range(ROUNDS):
         before = box[TURN] * arm + box[HU] + box[HV]
-        if not shrink(seen, plan, limits, content, storeys, least, work, spans, box):
+        if not shrink(case, box):
             return False
         if box[TURN] * arm + box[HU] + box[HV] > GAIN * before:
             break
@@ -235,8 +267,9 @@ def _centre(box, out):
 
 
 @kernel
-def _known(seen, plan, limits, content, storeys, work, box, found):
+def _known(case, box, found):
     """Whether a peak represents all feasible placements of the box."""
+    limits = read(case.limits)
     middle = np.empty(3)
     _centre(box, middle)
     sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
@@ -247,40 +280,40 @@ def _known(seen, plan, limits, content, storeys, work, box, found):
         if apart + sway <= limits.same_distance and turned + box[TURN] <= limits.same_yaw:
             return True
         if apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]:
-            if represented(seen, plan, limits, content, storeys, work, box, at):
+            if represented(case, box, at):
                 return True
     return False
 
 
 @kernel
-def _witness(seen, plan, limits, content, storeys, least, work, box, arm, at):
+def _witness(case, box, arm, at):
     """Look for a feasible placement in or near the box: 1 found (``at``), 0 not found, -1 none can be.
 
     The last is known from the correspondences with all residuals widened by what the box allows.
     """
+    task = read(case.task)
     _centre(box, at)
-    if feasible(seen, plan, limits, content, storeys, least, work, work.one, at):
+    if feasible(case, case.one, at):
         return 1
     loose = radius(box) + 2 * math.sin(box[TURN] / 2) * arm
     turn = box[TURN]
     for k in range(GUESSES):
-        count = look(
-            seen, plan, limits, content, storeys, work, work.one, at[0], at[1], at[2], turn, loose
-        )
-        if k == 0 and (count < least or not fixes(seen, limits, work.one)):
+        count = look(case, case.one, at[0], at[1], at[2], turn, loose)
+        if k == 0 and (count < task.least or not fixes(case, case.one)):
             return -1
         if count == 0:
             return 0
-        optimum(seen, plan, limits, work.one, work, at, at)
-        if feasible(seen, plan, limits, content, storeys, least, work, work.one, at):
+        optimum(case, case.one, at, at)
+        if feasible(case, case.one, at):
             return 1
         loose /= 2
     return 0
 
 
 @kernel
-def shapes_alike(seen, plan, limits, content, work):
+def shapes_alike(case):
     """For each online room, how many prior rooms explain it in isolation."""
+    seen, plan = read(case.seen), read(case.plan)
     rooms = len(seen.storey)
     alike = np.zeros(rooms, dtype=np.int64)
     boxes = np.empty((256, SIDES))
@@ -288,28 +321,75 @@ def shapes_alike(seen, plan, limits, content, work):
         if seen.first[r + 1] - seen.first[r] < 3:
             continue
         for a in range(len(plan.storey)):
-            if room_allowed(content, r, a) and fits_somewhere(
-                seen, plan, limits, content, r, a, work.bench, boxes
-            ):
+            if room_allowed(case, r, a) and fits_somewhere(case, r, a, boxes):
                 alike[r] += 1
     return alike
 
 
+class Room(NamedTuple):
+    """Room to work in; one per match."""
+
+    finder: Finder
+    bench: Bench
+    options: Options
+    tally: Tally
+    spans: Spans
+    one: View
+    two: View
+
+
 @kernel
+def new_room(seen, plan):
+    """Room to work in for these tables."""
+    rooms, rows = len(seen.storey), len(seen.angle)
+    widest, broadest = 1, 1
+    for r in range(rooms):
+        widest = max(widest, seen.first[r + 1] - seen.first[r])
+    for a in range(len(plan.storey)):
+        broadest = max(broadest, plan.first[a + 1] - plan.first[a])
+    return Room(
+        new_finder(len(plan.storey)),
+        new_bench(widest, broadest),
+        new_options(rooms, len(plan.storey)),
+        new_tally(seen.planes),
+        new_spans(rooms, widest),
+        new_view(rooms, rows),
+        new_view(rooms, rows),
+    )
+
+
+@entry
 def find_peaks(seen, plan, limits, content, shifts, least):
     """All peaks for all shifts of the storeys: (shift, yaw, x, y, L), shapes alike, what was done."""
-    work = new_work(seen, plan)
-    spans = new_spans(len(seen.storey), work.bench.count.shape[0])
-    alike = shapes_alike(seen, plan, limits, content, work)
+    task = Task(least, np.empty(shifts.shape[1], dtype=np.int64))
+    # What is pointed at must outlive the call below, so it is made here.
+    return _find_peaks(seen, plan, limits, content, task, new_room(seen, plan), shifts)
+
+
+@kernel
+def _find_peaks(seen, plan, limits, content, task, room, shifts):
+    case = Case(
+        pointer(seen),
+        pointer(plan),
+        pointer(limits),
+        pointer(content),
+        pointer(task),
+        pointer(room.finder),
+        pointer(room.bench),
+        pointer(room.options),
+        pointer(room.tally),
+        pointer(room.spans),
+        pointer(room.one),
+        pointer(room.two),
+    )
+    alike = shapes_alike(case)
     done = np.zeros(4, dtype=np.int64)
     out = np.empty((0, 5))
     for z in range(len(shifts)):
         count = np.zeros(4, dtype=np.int64)
         count[2] = done[2]
-        found = Found(np.empty((16, 4)), count)
-        found = search(
-            seen, plan, limits, content, shifts[z], least, alike, found, work, spans
-        )
+        task.storeys[:] = shifts[z]
+        found = search(case, alike, Found(np.empty((16, 4)), count))
         more = np.empty((len(out) + count[0], 5))
         more[: len(out)] = out
         for k in range(count[0]):
@@ -321,3 +401,31 @@ def find_peaks(seen, plan, limits, content, shifts, least):
         done[2] = count[2]
         done[3] = max(done[3], count[3])
     return out, alike, done
+
+
+@entry
+def view_at(seen, plan, limits, content, storeys, yaw, x, y):
+    """What is explained when the mean room centre goes to ``(x, y)``, strictly."""
+    task = Task(0, storeys)
+    room = new_room(seen, plan)
+    _view_at(seen, plan, limits, content, task, room, yaw, x, y)
+    return room.one
+
+
+@kernel
+def _view_at(seen, plan, limits, content, task, room, yaw, x, y):
+    case = Case(
+        pointer(seen),
+        pointer(plan),
+        pointer(limits),
+        pointer(content),
+        pointer(task),
+        pointer(room.finder),
+        pointer(room.bench),
+        pointer(room.options),
+        pointer(room.tally),
+        pointer(room.spans),
+        pointer(room.one),
+        pointer(room.two),
+    )
+    look(case, case.one, yaw, x, y, 0.0, 0.0)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -14,14 +15,18 @@ from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Content
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.posterior import Posterior
+from situgraph.matching.search import view_at
+from situgraph.matching.semantics import Evidence, SeenObjects, evidence, seen_objects
 from situgraph.matching.tables import FIT, MOVED, Floats, Ints, Limits, Seen
-from situgraph.matching.views import View, look, new_work
+from situgraph.matching.views import View
 from situgraph.scenegraph.graph import SceneGraph
 
+LEAST_DEPTH = 0.3  # metres; how far inside a room a centre must lie to be covered by it
 LEAST_DEVIATION = 0.1  # metres; smaller ones are not worth telling (DESIGN section 3)
 
 
-class Inputs(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Inputs:
     """What was matched."""
 
     online: SceneGraph
@@ -35,6 +40,26 @@ class Inputs(NamedTuple):
     content: Content
     mapping: Ints  # prior storey of each online storey, by shift
     limits: Limits
+
+    @cached_property
+    def _objects(self) -> SeenObjects:
+        planned = self.index.objects
+        return seen_objects(self.online, self.kept, self.source, self.middle, planned)
+
+    def view(self, shift: int, yaw: float, x: float, y: float) -> View:
+        """What is explained at a placement."""
+        storeys = self.mapping[shift]
+        tables = (self.seen, self.index.table, self.limits, self.content)
+        view: View = view_at(*tables, storeys, yaw, x, y)
+        return view
+
+    def evidence(self, shift: int, yaw: float, x: float, y: float) -> Evidence:
+        """What the objects say of a placement."""
+        planned, prior_plane = self.index.objects, self.index.source
+        if not planned.share or not self.online.objects:
+            return Evidence(0.0, {})
+        view = self.view(shift, yaw, x, y)
+        return evidence(self._objects, planned, view, prior_plane, (yaw, x, y), self.config)
 
 
 class Deviation(msgspec.Struct, frozen=True):
@@ -78,13 +103,7 @@ class Solution:
     @cached_property
     def view(self) -> View:
         """The correspondences as tables."""
-        i = self._inputs
-        work = new_work(i.seen, i.index.table)
-        look(
-            i.seen, i.index.table, i.limits, i.content, i.mapping[self._shift], work, work.one,
-            *self._at, 0.0, 0.0,
-        )  # fmt: skip
-        return work.one
+        return self._inputs.view(self._shift, *self._at)
 
     @cached_property
     def rooms(self) -> dict[str, str]:
@@ -109,7 +128,7 @@ class Solution:
 
     @cached_property
     def _best_rows(self) -> dict[int, int]:
-        """For each online plane with a counterpart its best row: fitting before moved, then nearest."""
+        """For each online plane with a counterpart its best row: fitting, moved; then nearest."""
         view, source = self.view, self._inputs.source
         order = sorted(
             np.flatnonzero((view.state == FIT) | (view.state == MOVED)).tolist(),
@@ -136,17 +155,46 @@ class Solution:
 
     @cached_property
     def objects(self) -> dict[str, str]:
-        """Online objects and the prior objects they are."""
-        return {}
+        """Online objects and the prior objects they most likely are."""
+        return self._inputs.evidence(self._shift, *self._at).pairs
 
     @cached_property
     def also_covers(self) -> dict[str, list[str]]:
         """Further prior rooms whose centres lie within an explained online room."""
-        return {}
+        i, taken = self._inputs, set(self.rooms.values())
+        turned = Placement(self._at[1], self._at[2], 0.0, self._at[0])
+        found: dict[str, list[str]] = {}
+        for k in np.flatnonzero(self.view.room >= 0).tolist():
+            normal, offset = self._walls(k, turned)
+            if not _enclosed(normal):
+                continue
+            storey = i.index.table.storey[self.view.room[k]]
+            inside = (i.index.center @ normal.T + offset > LEAST_DEPTH).all(axis=1)
+            inside &= i.index.table.storey == storey
+            covered = [r for a in np.flatnonzero(inside) if (r := i.index.room_ids[a]) not in taken]
+            if covered:
+                found[i.online.rooms[int(i.kept[k])].id] = covered
+        return found
+
+    def _walls(self, room: int, at: Placement) -> tuple[Floats, Floats]:
+        """The walls of a countable online room in the plan: normals (n, 2), offsets (n,)."""
+        seen = self._inputs.seen
+        rows = slice(int(seen.first[room]), int(seen.first[room + 1]))
+        angle = seen.angle[rows] + at.yaw
+        normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        center = at.points(seen.center[room])
+        return normal, seen.distance[rows] - normal @ center
+
+    @property
+    def moved(self) -> int:
+        """How many distinct online planes lie off their plan by more than fitting allows."""
+        best = self._best_rows
+        return sum(1 for k in best.values() if self.view.state[k] == MOVED)
 
     @cached_property
     def _fits(self) -> Floats:
-        return self.view.offset[self.view.state == FIT]
+        fits: Floats = self.view.offset[self.view.state == FIT]
+        return fits
 
     @property
     def rms(self) -> float:
@@ -183,7 +231,9 @@ class Solution:
             sigma = math.sqrt(i.config.plane_sigma**2 + float(slope @ covariance @ slope))
             if abs(view.offset[k]) > max(LEAST_DEVIATION, 3 * sigma):
                 found.append(
-                    Deviation(i.online.planes[p].id, -float(view.offset[k]), float(view.bend[k]), sigma)
+                    Deviation(
+                        i.online.planes[p].id, -float(view.offset[k]), float(view.bend[k]), sigma
+                    )
                 )
         return found
 
@@ -197,7 +247,8 @@ class Solution:
         slope = np.stack([n[:, 1] * arm[:, 0] - n[:, 0] * arm[:, 1], n[:, 0], n[:, 1]], axis=1)
         information = slope.T @ slope / i.config.plane_sigma**2
         information[0, 0] += len(rows) / i.config.angle_sigma**2
-        return np.linalg.inv(information)
+        covariance: Floats = np.asarray(np.linalg.inv(information), dtype=float)
+        return covariance
 
     def to_dict(self) -> dict[str, Any]:
         """A solution of the match JSON."""
@@ -214,3 +265,10 @@ class Solution:
             "rms": self.rms,
             "deviations": [msgspec.to_builtins(d) for d in self.deviations],
         }
+
+
+def _enclosed(normals: Floats) -> bool:
+    """Whether walls with these normals (n, 2) bound a room on all sides."""
+    angles = np.sort(np.arctan2(normals[:, 1], normals[:, 0]))
+    gaps = np.diff(angles, append=angles[0] + 2 * math.pi)
+    return bool(gaps.max() < math.pi - 0.2)

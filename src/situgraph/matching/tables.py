@@ -6,7 +6,7 @@ Named tuples of arrays, because that is what compiled code takes as it is.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,3 +80,27 @@ class Plan(NamedTuple):
     line_first: Ints  # (B + 1,) each bin's lines, by offset
     line_offset: Floats  # (Q,)
     line_room: Ints  # (Q,)
+
+
+class Task(NamedTuple):
+    """What one pass of the search is after."""
+
+    least: int  # rooms to be explained
+    storeys: Ints  # (U,) the prior storey of each online storey, -1 for none
+
+
+class Case(NamedTuple):
+    """Addresses (``pointers``) of all a kernel may need: tables, and room to work in."""
+
+    seen: Any  # Seen
+    plan: Any  # Plan
+    limits: Any  # Limits
+    content: Any  # Content
+    task: Any  # Task
+    finder: Any  # Finder
+    bench: Any  # Bench
+    options: Any  # Options
+    tally: Any  # Tally
+    spans: Any  # Spans
+    one: Any  # View
+    two: Any  # View

@@ -1,5 +1,7 @@
 """What one placement explains, and its log likelihood ratio: sections 2 and 4 of ``docs/matching.md``."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
 import math
@@ -9,10 +11,11 @@ import numpy as np
 
 from situgraph.matching.compiled import kernel
 from situgraph.matching.containment import room_allowed
-from situgraph.matching.explained import Bench, Slack, explain, new_bench, wrapped
-from situgraph.matching.lookup import Finder, find, new_finder
-from situgraph.matching.pairing import Options, add_option, new_options, pair_up
-from situgraph.matching.tables import FIT, MISSING, MOVED, Flags, Floats, Ints
+from situgraph.matching.explained import Slack, explain, wrapped
+from situgraph.matching.lookup import find
+from situgraph.matching.pairing import add_option, pair_up
+from situgraph.matching.pointers import read
+from situgraph.matching.tables import FIT, MISSING, MOVED, Floats, Ints
 
 
 class View(NamedTuple):
@@ -25,17 +28,11 @@ class View(NamedTuple):
     bend: Floats  # (P,)
 
 
-class Work(NamedTuple):
-    """Room to work in; one per match."""
+class Tally(NamedTuple):
+    """Sums over the occurrences of each distinct plane."""
 
-    finder: Finder
-    bench: Bench
-    options: Options
-    tally: Floats  # (planes, 5) fits, their squares of offset and bend; moved, their squares of bend
+    sums: Floats  # (planes, 5) fits, their squares: offset, bend; moved, their squares of bend
     missing: Ints  # (planes,)
-    wide: Flags  # (N,) rooms of which a box is too wide to say where they go
-    one: View
-    two: View
 
 
 @kernel
@@ -51,62 +48,49 @@ def new_view(rooms, rows):
 
 
 @kernel
-def new_work(seen, plan):
-    """Room to work in for these tables."""
-    rooms, rows = len(seen.storey), len(seen.angle)
-    widest, broadest = 1, 1
-    for r in range(rooms):
-        widest = max(widest, seen.first[r + 1] - seen.first[r])
-    for a in range(len(plan.storey)):
-        broadest = max(broadest, plan.first[a + 1] - plan.first[a])
-    return Work(
-        new_finder(len(plan.storey)),
-        new_bench(widest, broadest),
-        new_options(rooms, len(plan.storey)),
-        np.zeros((seen.planes, 5)),
-        np.zeros(seen.planes, dtype=np.int64),
-        np.zeros(rooms, dtype=np.bool_),
-        new_view(rooms, rows),
-        new_view(rooms, rows),
-    )
+def new_tally(planes):
+    """A tally of nothing."""
+    return Tally(np.zeros((planes, 5)), np.zeros(planes, dtype=np.int64))
 
 
 @kernel
-def look(seen, plan, limits, content, storeys, work, view, yaw, x, y, turn, loose):
-    """Fill ``view`` with what is explained when the mean room centre goes to ``(x, y)``.
+def look(case, spot, yaw, x, y, turn, loose):
+    """Fill ``spot`` with what is explained when the mean room centre goes to ``(x, y)``.
 
     ``storeys[u]`` is the prior storey of online storey ``u``, -1 for none. ``turn`` and
-    ``loose`` widen the residuals by radians and metres (0: strictly the definition). Returns how many rooms are explained.
+    ``loose`` widen the residuals by radians and metres (0: strictly the definition). Returns how
+    many rooms are explained.
     """
-    options = work.options
+    view = read(spot)
+    seen, plan, task = read(case.seen), read(case.plan), read(case.task)
+    finder, options = read(case.finder), read(case.options)
     c, s = math.cos(yaw), math.sin(yaw)
     slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
     for r in range(len(seen.storey)):
         options.count[r] = 0
-        if storeys[seen.storey[r]] < 0:
+        if task.storeys[seen.storey[r]] < 0:
             continue
         cx, cy = seen.center[r, 0], seen.center[r, 1]
         rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
         found = find(
-            seen, plan, limits, work.finder, r, storeys[seen.storey[r]],
-            yaw, 0.0, 0.0, 0.0, x, y, 1.5 * loose, True,
+            case, r, task.storeys[seen.storey[r]], yaw, 0.0, 0.0, 0.0, x, y, 1.5 * loose, True
         )
         for k in range(found):
-            a = work.finder.room[k]
-            if room_allowed(content, r, a):
-                score = explain(seen, plan, limits, content, r, a, yaw, rx, ry, slack, work.bench)
+            a = finder.room[k]
+            if room_allowed(case, r, a):
+                score = explain(case, r, a, yaw, rx, ry, slack)
                 if score > -np.inf:
-                    add_option(options, r, a, score)
+                    add_option(case, r, a, score)
                     if options.room[r, 0] == a:
-                        _note(seen, view, work.bench, r)
-    count = pair_up(options, view.room)
+                        _note(case, spot, r)
+    count = pair_up(case, view.room)
     for r in range(len(seen.storey)):
         a = view.room[r]
         cx, cy = seen.center[r, 0], seen.center[r, 1]
         rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
         if a >= 0 and a != options.room[r, 0]:
-            explain(seen, plan, limits, content, r, a, yaw, rx, ry, slack, work.bench)
-            _note(seen, view, work.bench, r)
+            explain(case, r, a, yaw, rx, ry, slack)
+            _note(case, spot, r)
         for i in range(seen.first[r], seen.first[r + 1]):
             if a < 0:
                 view.state[i] = -1
@@ -120,7 +104,9 @@ def look(seen, plan, limits, content, storeys, work, view, yaw, x, y, turn, loos
 
 
 @kernel
-def _note(seen, view, bench, r):
+def _note(case, spot, r):
+    view = read(spot)
+    seen, bench = read(case.seen), read(case.bench)
     begin = seen.first[r]
     for i in range(begin, seen.first[r + 1]):
         view.row[i] = bench.kept[i - begin]
@@ -128,8 +114,10 @@ def _note(seen, view, bench, r):
 
 
 @kernel
-def fixes(seen, limits, view):
+def fixes(case, spot):
     """Whether the planes that fit are not all parallel."""
+    view = read(spot)
+    seen, limits = read(case.seen), read(case.limits)
     first = -1
     for i in range(len(view.state)):
         if view.state[i] != FIT:
@@ -149,47 +137,56 @@ def fixes(seen, limits, view):
 @kernel
 def copy_view(source, target):
     """Copy the correspondences."""
-    target.room[:] = source.room
-    target.row[:] = source.row
-    target.state[:] = source.state
-    target.offset[:] = source.offset
-    target.bend[:] = source.bend
+    old, new = read(source), read(target)
+    for r in range(len(old.room)):
+        new.room[r] = old.room[r]
+    for i in range(len(old.row)):
+        new.row[i] = old.row[i]
+        new.state[i] = old.state[i]
+        new.offset[i] = old.offset[i]
+        new.bend[i] = old.bend[i]
 
 
 @kernel
-def tally_planes(seen, view, work):
+def tally_planes(case, spot):
     """Count the occurrences of each distinct plane by state, and sum their squared residuals."""
-    work.tally[:] = 0.0
-    work.missing[:] = 0
+    view = read(spot)
+    seen, tally = read(case.seen), read(case.tally)
+    for p in range(seen.planes):
+        tally.missing[p] = 0
+        for k in range(5):
+            tally.sums[p, k] = 0.0
     for i in range(len(view.state)):
         p = seen.plane[i]
         if view.state[i] == FIT:
-            work.tally[p, 0] += 1
-            work.tally[p, 1] += view.offset[i] ** 2
-            work.tally[p, 2] += view.bend[i] ** 2
+            tally.sums[p, 0] += 1
+            tally.sums[p, 1] += view.offset[i] ** 2
+            tally.sums[p, 2] += view.bend[i] ** 2
         elif view.state[i] == MOVED:
-            work.tally[p, 3] += 1
-            work.tally[p, 4] += view.bend[i] ** 2
+            tally.sums[p, 3] += 1
+            tally.sums[p, 4] += view.bend[i] ** 2
         elif view.state[i] == MISSING:
-            work.missing[p] += 1
+            tally.missing[p] += 1
 
 
 @kernel
-def evidence(seen, limits, view, work):
+def evidence(case, spot):
     """L of the walls: distinct planes, and rooms explained or not."""
-    tally_planes(seen, view, work)
+    view = read(spot)
+    seen, limits, tally = read(case.seen), read(case.limits), read(case.tally)
+    tally_planes(case, spot)
     total = 0.0
     for p in range(seen.planes):
-        fits, moved = work.tally[p, 0], work.tally[p, 3]
+        fits, moved = tally.sums[p, 0], tally.sums[p, 3]
         if fits > 0:
-            total += limits.fit_peak - work.tally[p, 1] / fits * limits.plane_weight
-            total -= work.tally[p, 2] / fits * limits.angle_weight
+            total += limits.fit_peak - tally.sums[p, 1] / fits * limits.plane_weight
+            total -= tally.sums[p, 2] / fits * limits.angle_weight
         elif moved > 0:
-            total += limits.moved_base - work.tally[p, 4] / moved * limits.angle_weight
-        elif work.missing[p] > 0:
+            total += limits.moved_base - tally.sums[p, 4] / moved * limits.angle_weight
+        elif tally.missing[p] > 0:
             total += limits.missing
             continue
-        total += work.missing[p] * limits.missing_shared
+        total += tally.missing[p] * limits.missing_shared
     for r in range(len(view.room)):
         total += limits.room_true if view.room[r] >= 0 else limits.room_false
     return total
