@@ -33,10 +33,6 @@ class Mesh(msgspec.Struct, frozen=True):
         high: Array = self.vertices.max(axis=0)
         return high
 
-    def moved(self, shift: Array) -> Mesh:
-        """The same mesh, ``shift`` (3,) added."""
-        return Mesh(self.vertices + shift, self.faces)
-
 
 class Level(msgspec.Struct, frozen=True):
     """A declared storey: its key, name and elevation (m), which may be wrong or absent."""

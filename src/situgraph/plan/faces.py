@@ -64,12 +64,6 @@ class Face(msgspec.Struct, frozen=True):
         (nx, ny), (tx, ty) = self.normal, self.tangent
         return along * tx - self.offset * nx, along * ty - self.offset * ny
 
-    def reversed(self) -> Face:
-        """The same face seen from its other side."""
-        nx, ny = self.normal
-        spans = tuple((-hi, -lo) for lo, hi in reversed(self.spans))
-        return msgspec.structs.replace(self, normal=(-nx, -ny), offset=-self.offset, spans=spans)
-
 
 def vertical_faces(
     mesh: Mesh, config: PlanConfig, *, outward: bool = True, min_height: float = 0.0
