@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from situgraph.matching.config import MatchingConfig
+    from situgraph.matching.incremental import Matcher
     from situgraph.matching.index import PlanIndex
     from situgraph.matching.matcher import match
     from situgraph.matching.result import MatchResult
@@ -17,12 +18,13 @@ if TYPE_CHECKING:
 
 _HOME = {
     "MatchResult": "result",
+    "Matcher": "incremental",
     "MatchingConfig": "config",
     "PlanIndex": "index",
     "Solution": "solution",
     "match": "matcher",
 }
-__all__ = ["MatchResult", "MatchingConfig", "PlanIndex", "Solution", "match"]
+__all__ = ["MatchResult", "Matcher", "MatchingConfig", "PlanIndex", "Solution", "match"]
 
 
 def __getattr__(name: str) -> object:

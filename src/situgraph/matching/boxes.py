@@ -1,8 +1,8 @@
 """Boxes of placements: what can be explained somewhere inside, and the box made smaller by it.
 
-A box is anchored at a point of the map, the arm ``(ax, ay)`` from the mean room centre; it holds the
-placements that turn by ``yaw`` up to ``turn`` more or less and take the anchor to ``(px, py)`` plus up
-to ``hu`` along the axis ``(ux, uy)`` and up to ``hv`` across it.
+A box is anchored at a point of the map, the arm ``(ax, ay)`` from the mean room centre; it holds
+the placements that turn by ``yaw`` up to ``turn`` more or less and take the anchor to ``(px,
+py)`` plus up to ``hu`` along the axis ``(ux, uy)`` and up to ``hv`` across it.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -64,7 +64,10 @@ def new_spans(rooms, widest):
 
 @kernel
 def slack_of(box, wx, wy):
-    """What may change inside the box for a room that lies at ``(wx, wy)`` from the anchor, turned."""
+    """What may change inside the box for a room that lies at ``(wx, wy)`` from the anchor.
+
+    Turned.
+    """
     turn = box[TURN]
     return Slack(
         turn, box[UX], box[UY], box[HU], box[HV], wx, wy, 1 - math.cos(turn), math.sin(turn)
@@ -106,8 +109,9 @@ def possible(case, box, r):
 def shrink(case, box):
     """Cut from the box what cannot be feasible; False when nothing is left.
 
-    At least ``least`` rooms must be explained at a feasible placement, and the required ones. So its
-    yaw is not below the ``least``-th smallest of the rooms' lowest yaws; likewise on all six sides.
+    At least ``least`` rooms must be explained at a feasible placement, and the required ones. So
+    its yaw is not below the ``least``-th smallest of the rooms' lowest yaws; likewise on all six
+    sides.
     """
     seen, options, spans, task = (
         read(case.seen),
@@ -116,7 +120,7 @@ def shrink(case, box):
         read(case.task),
     )
     rooms = len(seen.storey)
-    counted, shared = 0, False
+    counted = 0
     for r in range(rooms):
         options.count[r] = 0
         if _span(case, box, r):
@@ -147,7 +151,10 @@ def shrink(case, box):
 
 @kernel
 def _extreme(case, bound, sign):
-    """The ``least``-th smallest of ``sign * bound`` over the rooms, not below any required room's."""
+    """The ``least``-th smallest of ``sign * bound`` over the rooms.
+
+    Not below any required room's.
+    """
     spans, task = read(case.spans), read(case.task)
     count, must = 0, -np.inf
     for r in range(len(bound)):
@@ -232,7 +239,10 @@ def _span(case, box, r):
 
 @kernel
 def _plane_spans(case, r, a, yaw, x, y, slack):
-    """For each plane of ``r``: for which turns, and which moves along its normal, it can fit in ``a``."""
+    """For each plane of ``r``: for which turns, and which moves along its normal.
+
+    It can fit in ``a``.
+    """
     seen, plan, limits, spans = (
         read(case.seen),
         read(case.plan),
@@ -288,7 +298,10 @@ def _arcsine(value, most):
 
 @kernel
 def _hull(case, half, r):
-    """Widen the room's spans by where the planes just measured let it be explained; False if nowhere."""
+    """Widen the room's spans by where the planes just measured let it be explained.
+
+    False if nowhere.
+    """
     seen, spans = read(case.seen), read(case.spans)
     begin = seen.first[r]
     if seen.flat[r]:

@@ -1,8 +1,8 @@
 """Compiling the matcher's kernels, and where the compiled code is kept.
 
 Compiled code lives in the user's cache folder under this version, so an install that cannot be
-written works; where no folder can be written, it lives in memory. ``NUMBA_CACHE_DIR``, when set, has
-priority.
+written works; where no folder can be written, it lives in memory. ``NUMBA_CACHE_DIR``, when set,
+has priority.
 """
 
 from __future__ import annotations
@@ -49,7 +49,10 @@ def _sources_key() -> str:
 
 
 def kernel(function: F) -> F:
-    """Compile a function for other kernels, on its first use, without the GIL, and keep the result."""
+    """Compile a function for other kernels, on its first use, without the GIL.
+
+    And keep the result.
+    """
     return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 

@@ -21,7 +21,10 @@ Counts = NDArray[np.int16]
 
 
 class Content(NamedTuple):
-    """What the online rooms and planes hold, and what the prior's do; empty when nothing is asked."""
+    """What the online rooms and planes hold, and what the prior's do.
+
+    Empty when nothing is asked.
+    """
 
     room_first: Ints  # (N + 1,)
     room_need: Ints  # (k, 2) category, count

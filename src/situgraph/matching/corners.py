@@ -1,8 +1,8 @@
 """Prior rooms found by their corners: a hash of cells, each corner entered wherever it may matter.
 
-A room that explains another shares a corner with it, up to the tolerances. So each corner (a crossing
-of two planes of a room that are not parallel, adjacent or not) is entered in every cell within reach,
-and one look into one cell finds all rooms in question.
+A room that explains another shares a corner with it, up to the tolerances. So each corner (a
+crossing of two planes of a room that are not parallel, adjacent or not) is entered in every cell
+within reach, and one look into one cell finds all rooms in question.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -23,7 +23,7 @@ MOST_CORNERS = 600  # of one room; rooms with more are tried everywhere
 
 
 @kernel
-def bucket(storey: int, sector: int, ix: int, iy: int) -> int:
+def bucket(storey, sector, ix, iy):
     """A well mixed number of a cell, below 2^40."""
     h = (
         np.uint64(ix + 1048576) * np.uint64(0x9E3779B97F4A7C15)
@@ -36,9 +36,9 @@ def bucket(storey: int, sector: int, ix: int, iy: int) -> int:
 
 
 @kernel
-def sector_of(angle: float) -> int:
+def sector_of(angle):
     """The sector of a direction."""
-    return int(math.floor(angle / (2 * math.pi) * SECTORS)) % SECTORS
+    return math.floor(angle / (2 * math.pi) * SECTORS) % SECTORS
 
 
 @kernel

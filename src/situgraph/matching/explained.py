@@ -1,7 +1,8 @@
 """Section 2 of ``docs/matching.md``: whether a prior room explains an online room, and how.
 
-Both tests take a box of placements: the yaw within ``turn`` of ``yaw``, the room's centre near ``(x, y)``.
-``Slack`` says by how much a residual can change inside the box; with no slack the tests are strict.
+Both tests take a box of placements: the yaw within ``turn`` of ``yaw``, the room's centre near
+``(x, y)``. ``Slack`` says by how much a residual can change inside the box; with no slack the
+tests are strict.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -42,7 +43,7 @@ class Bench(NamedTuple):
     row: Ints  # (n, m) prior row, -1 for none
     value: Floats  # (n, m) log ratio
     fits: Ints  # (n, m) state
-    count: Ints  # (n,)
+    count: Ints  # type: ignore[assignment]  # (n,)
     best: Floats  # (n + 1,) largest sum from a plane on
     pick: Ints  # (n,) the choice tried
     kept: Ints  # (n,) the best choice's rows
@@ -301,7 +302,7 @@ def _taken(case, depth):
     row = bench.row[depth, bench.pick[depth]]
     if row < 0:
         return False
-    for k in range(depth):
+    for k in range(depth):  # noqa: SIM110
         if bench.row[k, bench.pick[k]] == row:
             return True
     return False

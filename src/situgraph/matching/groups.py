@@ -1,8 +1,8 @@
 """Disjoint groups of online rooms, one of which every feasible placement explains as a whole.
 
-A feasible placement leaves at most N - K rooms unexplained, so of N - K + 1 disjoint groups at least
-one is explained wholly. Each group has an anchor, from which placements are hypothesised, and partners
-near it, which reject most of them at once.
+A feasible placement leaves at most N - K rooms unexplained, so of N - K + 1 disjoint groups at
+least one is explained wholly. Each group has an anchor, from which placements are hypothesised,
+and partners near it, which reject most of them at once.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls

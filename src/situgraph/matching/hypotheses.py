@@ -17,19 +17,19 @@ SHAPE_BOXES = 4000  # searched at most for one placement of one room in isolatio
 
 
 @kernel
-def pair_box(case, i, k, j, l, wx, wy, box):
-    """The box in which plane ``i`` fits ``j`` and ``k`` fits ``l``; False when there is none.
+def pair_box(case, i, k, j, m, wx, wy, box):
+    """The box in which plane ``i`` fits ``j`` and ``k`` fits ``m``; False when there is none.
 
     Plane ``k`` may belong to another room, whose centre lies at ``(wx, wy)`` from the anchor.
     """
     seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
     one = wrapped(plan.row[j, 3] - seen.angle[i])
-    two = one + wrapped(plan.row[l, 3] - seen.angle[k] - one)
+    two = one + wrapped(plan.row[m, 3] - seen.angle[k] - one)
     turn = limits.angle + SLACK - abs(two - one) / 2
     if turn < 0:
         return False
     box[YAW], box[TURN] = (one + two) / 2, turn
-    nx, ny, mx, my = plan.row[j, 0], plan.row[j, 1], plan.row[l, 0], plan.row[l, 1]
+    nx, ny, mx, my = plan.row[j, 0], plan.row[j, 1], plan.row[m, 0], plan.row[m, 1]
     cross = nx * my - ny * mx
     if abs(cross) < 0.02:
         return False
@@ -39,7 +39,7 @@ def pair_box(case, i, k, j, l, wx, wy, box):
     other = fit + abs(mx * gx + my * gy) * (1 - math.cos(turn))
     other += abs(my * gx - mx * gy) * math.sin(turn)
     near = seen.distance[i] - plan.row[j, 2]
-    far = seen.distance[k] - plan.row[l, 2] - mx * gx - my * gy
+    far = seen.distance[k] - plan.row[m, 2] - mx * gx - my * gy
     box[PX], box[PY] = (near * my - far * ny) / cross, (far * nx - near * mx) / cross
     box[UX], box[UY] = nx, ny
     box[HU] = fit
@@ -49,10 +49,10 @@ def pair_box(case, i, k, j, l, wx, wy, box):
 
 @kernel
 def room_boxes(case, r, a, out):
-    """All boxes in which two planes of ``r`` that are not parallel fit ``a``, and it may be explained.
+    """All boxes in which two crossing planes of ``r`` fit ``a`` and it may be explained.
 
-    Into ``out`` (k, SIDES), anchored at the room's centre; returns how many there are. When ``out`` is
-    too small, the number is right all the same.
+    Into ``out`` (k, SIDES), anchored at the room's centre; returns how many there are. When
+    ``out`` is too small, the number is right all the same.
     """
     seen, plan = read(case.seen), read(case.plan)
     count = 0
@@ -61,15 +61,15 @@ def room_boxes(case, r, a, out):
     for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
         i, k = seen.crossed[c, 0], seen.crossed[c, 1]
         for j in range(plan.first[a], plan.first[a + 1]):
-            for l in range(plan.first[a], plan.first[a + 1]):
-                if l == j or not pair_box(case, i, k, j, l, 0.0, 0.0, box):
+            for m in range(plan.first[a], plan.first[a + 1]):
+                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, box):
                     continue
                 slack = slack_of(box, 0.0, 0.0)
                 if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
                     continue
                 if count < len(out):
-                    for k_ in range(SIDES):
-                        out[count, k_] = box[k_]
+                    for side in range(SIDES):
+                        out[count, side] = box[side]
                 count += 1
     return count
 
@@ -78,7 +78,7 @@ def room_boxes(case, r, a, out):
 def fits_somewhere(case, r, a, boxes):
     """Whether ``a`` explains ``r`` in isolation, at any placement; ``boxes`` is room to work in."""
     count = room_boxes(case, r, a, boxes)
-    for b in range(min(count, len(boxes))):
+    for b in range(min(count, len(boxes))):  # noqa: SIM110
         if _explained_in(case, r, a, boxes[b]):
             return True
     return False

@@ -85,7 +85,7 @@ class PlanIndex:
         far = corner_table(first, row, storey, FAR_CELL, FAR_REACH, self.config)
         large = np.flatnonzero(np.diff(first) ** 2 > 2 * MOST_CORNERS)
         lines = _lines(row, room, storey[room], len(self.elevations))
-        return Plan(first, row, storey, *near, *far, large, *lines)
+        return Plan(first, row, storey, *near, *far, large, *lines)  # type: ignore[call-arg]
 
 
 def _area(centers: Floats, heights: Floats, margin: float) -> float:

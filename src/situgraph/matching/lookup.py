@@ -49,9 +49,9 @@ def new_finder(rooms):
 def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
     """Find rooms on ``storey`` that might explain ``r``; returns how many stand in ``finder.room``.
 
-    The placements turn by ``yaw`` up to ``turn`` more or less, and take the point ``(ax, ay)`` of the
-    map to within ``spread`` of ``(px, py)``. Of a box too wide for the index all
-    rooms are returned, or -1 unless ``all_if_wide``.
+    The placements turn by ``yaw`` up to ``turn`` more or less, and take the point ``(ax, ay)``
+    of the map to within ``spread`` of ``(px, py)``. Of a box too wide for the index all rooms
+    are returned, or -1 unless ``all_if_wide``.
     """
     seen, plan, finder = read(case.seen), read(case.plan), read(case.finder)
     finder.turn[0] += 1

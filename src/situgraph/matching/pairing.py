@@ -23,7 +23,7 @@ class Options(NamedTuple):
 
     room: Ints  # (N, N)
     score: Floats  # (N, N)
-    count: Ints  # (N,)
+    count: Ints  # type: ignore[assignment]  # (N,)
     owner: Ints  # (M,) how many rooms have a prior room as an option
 
 
@@ -63,7 +63,10 @@ def add_option(case, r, a, score):
 
 @kernel
 def pair_up(case, chosen):
-    """Set ``chosen[r]`` to the prior room of each online room, -1 for none; returns how many have one."""
+    """Set ``chosen[r]`` to the prior room of each online room, -1 for none.
+
+    Returns how many have one.
+    """
     options = read(case.options)
     rooms = len(options.count)
     for r in range(rooms):

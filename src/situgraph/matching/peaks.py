@@ -1,4 +1,7 @@
-"""The peak of a feasible placement: least squares with the correspondences held, until they stay."""
+"""The peak of a feasible placement: least squares with the correspondences held.
+
+Until they stay.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 # (the types of kernels are those of the tables; numba infers them)
@@ -21,7 +24,10 @@ SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 
 @kernel
 def optimum(case, spot, at, out):
-    """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``spot``."""
+    """Into ``out`` the placement (yaw, x.
+
+    Y) of the largest L for the correspondences in ``spot``.
+    """
     view = read(spot)
     seen, plan, limits, tally = (
         read(case.seen),
@@ -96,7 +102,6 @@ def _solve(h, g):
 @kernel
 def feasible(case, spot, at):
     """Fill ``spot`` at a placement (yaw, x, y); whether it is feasible."""
-    view = read(spot)
     task = read(case.task)
     count = look(case, spot, at[0], at[1], at[2], 0.0, 0.0)
     return count >= task.least and fixes(case, spot)
@@ -113,9 +118,8 @@ def climb(case, at):
     for _ in range(ROUNDS):
         optimum(case, case.one, at, goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
-        if not feasible(case, case.two, tried):
-            if not _last_feasible(case, at, goal, tried):
-                break
+        if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
+            break
         value = evidence(case, case.two)
         if value <= height + 1e-12:
             break

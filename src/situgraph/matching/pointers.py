@@ -1,9 +1,9 @@
 """Tables handed to kernels by address.
 
-A named tuple of arrays is passed to compiled code field by field, hundreds of values a call, which
-makes calls slow and compiling them slower. ``pointer`` puts a tuple on the caller's stack and gives its
-address; ``read`` reads it back. Arrays read through a pointer are borrowed: they live as long as the
-kernel that made the pointer runs, so they need no reference counting.
+A named tuple of arrays is passed to compiled code field by field, hundreds of values a call,
+which makes calls slow and compiling them slower. ``pointer`` puts a tuple on the caller's stack
+and gives its address; ``read`` reads it back. Arrays read through a pointer are borrowed: they
+live as long as the kernel that made the pointer runs, so they need no reference counting.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def pointer(_: Any, record: Any) -> Any:
     """The address of a copy of ``record`` that lives as long as the calling kernel runs."""
 
@@ -25,7 +25,7 @@ def pointer(_: Any, record: Any) -> Any:
     return types.CPointer(record)(record), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def read(_: Any, address: Any) -> Any:
     """The record that ``pointer`` was given."""
     record = address.dtype

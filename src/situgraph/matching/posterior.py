@@ -30,7 +30,10 @@ class Posterior(NamedTuple):
 
 @entry
 def distinct(peaks, distance, yaw, height):
-    """Rows of peaks (height, yaw, x, y, L), sorted best first, that no better kept one is the same as."""
+    """Rows of peaks (height, yaw, x, y, L), sorted best first.
+
+    That no better kept one is the same as.
+    """
     kept = np.empty(len(peaks), dtype=np.int64)
     count = 0
     for k in range(len(peaks)):

@@ -8,6 +8,7 @@ from typing import Any
 
 from situgraph.matching.posterior import Posterior, Verdict
 from situgraph.matching.solution import Inputs, Solution
+from situgraph.matching.stages import plane_candidates, room_candidates
 from situgraph.matching.tables import Ints
 
 
@@ -106,6 +107,11 @@ class MatchResult:
         """Observations that would split the solutions, the most telling first."""
         return []
 
+    def _places(self) -> list[tuple[int, float, float, float]]:
+        """The candidates as (shift, yaw, x, y)."""
+        found = zip(self._posterior.shift.tolist(), self._posterior.candidate[:, 1:4].tolist())
+        return [(shift, yaw, x, y) for shift, (yaw, x, y) in found]
+
     @cached_property
     def stats(self) -> dict[str, Any]:
         """Counts and times of the search, as in the match JSON."""
@@ -115,8 +121,8 @@ class MatchResult:
             "rooms_online": len(inputs.kept),
             "rooms_prior": inputs.index.rooms,
             "semantics": inputs.semantics,
-            "room_candidates": {},
-            "plane_candidates": {},
+            "room_candidates": room_candidates(inputs, self._alike),
+            "plane_candidates": plane_candidates(inputs, self._places()),
             "hypotheses": int(self._done[1]),
             "boxes": int(self._done[2]),
             "candidates": len(self._posterior.candidate),

@@ -58,7 +58,7 @@ class Found(NamedTuple):
     """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
 
     peak: Floats
-    count: Ints  # (4,) peaks, hypotheses, boxes, incomplete
+    count: Ints  # type: ignore[assignment]  # (4,) peaks, hypotheses, boxes, incomplete
 
 
 @kernel
@@ -119,7 +119,7 @@ def search(case, alike, found):
 @kernel
 def _partners(case, box, members):
     """Whether the other rooms of the group may be explained somewhere in the box."""
-    for k in range(1, len(members)):
+    for k in range(1, len(members)):  # noqa: SIM110
         if not possible(case, box, members[k]):
             return False
     return True
@@ -146,7 +146,8 @@ def _corridors(case, found, anchors):
         needed -= 1
         for q in range(rooms):
             turn = abs(math.sin(seen.angle[seen.first[r]] - seen.angle[seen.first[q]]))
-            # Of two directions that differ by the task.least sine, one differs half as much from any third.
+            # Of two directions that differ by the least sine, one differs half as
+            # much from any third.
             if not seen.flat[q] or turn < 0.45 * limits.sine:
                 continue
             for m in range(rooms):
@@ -172,8 +173,8 @@ def _crossing(case, found, r, q, box):
             if plan.storey[b] != two or not room_allowed(case, q, b):
                 continue
             for j in range(plan.first[a], plan.first[a + 1]):
-                for l in range(plan.first[b], plan.first[b + 1]):
-                    if not pair_box(case, i, k, j, l, wx, wy, box):
+                for m in range(plan.first[b], plan.first[b + 1]):
+                    if not pair_box(case, i, k, j, m, wx, wy, box):
                         continue
                     found.count[1] += 1
                     slack = slack_of(box, 0.0, 0.0)
@@ -184,7 +185,10 @@ def _crossing(case, found, r, q, box):
 
 @kernel
 def explore(case, found, start):
-    """Branch and bound: until all of the box is known to be infeasible, or represented by a peak."""
+    """Branch and bound: until all of the box is known to be infeasible.
+
+    Or represented by a peak.
+    """
     seen, limits = read(case.seen), read(case.limits)
     arm = 1.0
     for r in range(len(seen.storey)):
@@ -279,17 +283,18 @@ def _known(case, box, found):
         turned = abs(wrapped(at[0] - middle[0]))
         if apart + sway <= limits.same_distance and turned + box[TURN] <= limits.same_yaw:
             return True
-        if apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]:
-            if represented(case, box, at):
-                return True
+        near = apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]
+        if near and represented(case, box, at):
+            return True
     return False
 
 
 @kernel
 def _witness(case, box, arm, at):
-    """Look for a feasible placement in or near the box: 1 found (``at``), 0 not found, -1 none can be.
+    """Look for a feasible placement in or near the box: 1 found, 0 not found, -1 none can be.
 
-    The last is known from the correspondences with all residuals widened by what the box allows.
+    It is left in ``at``. The last is known from the correspondences with all residuals widened by
+    what the box allows.
     """
     task = read(case.task)
     _centre(box, at)
@@ -360,7 +365,10 @@ def new_room(seen, plan):
 
 @entry
 def find_peaks(seen, plan, limits, content, shifts, least):
-    """All peaks for all shifts of the storeys: (shift, yaw, x, y, L), shapes alike, what was done."""
+    """All peaks for all shifts of the storeys: (shift, yaw, x, y, L), shapes alike.
+
+    What was done.
+    """
     task = Task(least, np.empty(shifts.shape[1], dtype=np.int64))
     # What is pointed at must outlive the call below, so it is made here.
     return _find_peaks(seen, plan, limits, content, task, new_room(seen, plan), shifts)

@@ -1,4 +1,7 @@
-"""Shifts in height that map online storeys onto prior storeys: section 3 of ``docs/matching.md``."""
+"""Shifts in height that map online storeys onto prior storeys.
+
+Section 3 of ``docs/matching.md``.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The flat tables the kernels work on: the online rooms, the plan, the limits.
 
-A room's planes stand one after the other; ``first[r]`` to ``first[r + 1]`` are the rows of room ``r``.
-Named tuples of arrays, because that is what compiled code takes as it is.
+A room's planes stand one after the other; ``first[r]`` to ``first[r + 1]`` are the rows of room
+``r``. Named tuples of arrays, because that is what compiled code takes as it is.
 """
 
 from __future__ import annotations

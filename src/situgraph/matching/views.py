@@ -1,4 +1,7 @@
-"""What one placement explains, and its log likelihood ratio: sections 2 and 4 of ``docs/matching.md``."""
+"""What one placement explains, and its log likelihood ratio.
+
+Sections 2 and 4 of ``docs/matching.md``.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 # (the types of kernels are those of the tables; numba infers them)
@@ -128,9 +131,9 @@ def fixes(case, spot):
             return True
     for i in range(len(view.state)):
         for k in range(i):
-            if view.state[i] == FIT and view.state[k] == FIT:
-                if abs(math.sin(seen.angle[i] - seen.angle[k])) >= limits.sine:
-                    return True
+            both = view.state[i] == FIT and view.state[k] == FIT
+            if both and abs(math.sin(seen.angle[i] - seen.angle[k])) >= limits.sine:
+                return True
     return False
 
 

@@ -1,0 +1,110 @@
+"""What ``match`` promises, on small buildings made here."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from situgraph.errors import InputError
+from situgraph.geometry.poses import Placement
+from situgraph.matching import Matcher, PlanIndex
+from situgraph.matching.matcher import match
+from situgraph.scenegraph.graph import Plane, Room, SceneGraph
+from situgraph.scenegraph.transform import transformed
+
+RECTANGLES = [
+    (0, 0, 4, 3),
+    (4.2, 0, 5, 3),
+    (0, 3.2, 4, 5.5),
+    (4.2, 3.2, 2.5, 5.5),
+    (6.9, 3.2, 3.3, 4.1),
+]
+MOTION = Placement(3.0, -7.0, 0.0, 0.7)
+
+
+def building(rectangles: list[tuple[float, float, float, float]]) -> SceneGraph:
+    """Rectangular rooms (x, y, width, depth)."""
+    rooms, planes = [], []
+    for k, (x, y, w, h) in enumerate(rectangles):
+        faces = [((1.0, 0.0), -x), ((-1.0, 0.0), x + w), ((0.0, 1.0), -y), ((0.0, -1.0), y + h)]
+        names = tuple(f"p{k}.{i}" for i in range(4))
+        planes += [Plane(n, (*f, 0.0), d) for n, (f, d) in zip(names, faces)]
+        rooms.append(Room(f"r{k}", (x + w / 2, y + h / 2, 1.3), names))
+    return SceneGraph(rooms=tuple(rooms), planes=tuple(planes))
+
+
+def near(one: Placement, two: Placement) -> bool:
+    turned = math.remainder(one.yaw - two.yaw, 2 * math.pi)
+    return math.hypot(one.x - two.x, one.y - two.y) < 0.05 and abs(turned) < 0.01
+
+
+def test_a_moved_copy_is_unique_and_certified() -> None:
+    prior = building(RECTANGLES)
+    result = match(transformed(prior, MOTION), PlanIndex(prior))
+    assert result.verdict == "unique"
+    assert result.certified
+    best = result.solutions[0]
+    assert near(best.transform, MOTION.inverse())
+    assert best.rooms == {r.id: r.id for r in prior.rooms}
+    assert best.planes == {p.id: p.id for p in prior.planes}
+    assert best.deviations == ()
+
+
+def test_a_mirror_image_is_never_unique() -> None:
+    prior = building(RECTANGLES)
+    mirrored = building([(-x - w, y, w, h) for x, y, w, h in RECTANGLES])
+    assert not match(mirrored, prior).unique
+
+
+def test_a_square_room_has_four_placements() -> None:
+    prior = building([(0, 0, 4, 4)])
+    result = match(transformed(prior, MOTION), prior)
+    assert result.verdict == "ambiguous"
+    assert result.count == 4
+
+
+def test_a_corridor_alone_fixes_nothing() -> None:
+    whole = building([(0, 0, 9, 2)])
+    corridor = whole.replace(rooms=(Room("c", (4.5, 1.0, 1.3), whole.rooms[0].planes[2:]),))
+    assert match(corridor, whole).verdict == "none"
+
+
+def test_two_crossing_corridors_fix_the_placement() -> None:
+    prior = building([(0, 0, 12, 2), (3, 2.2, 1.5, 9)])
+    one, two = prior.rooms
+    seen = prior.replace(
+        rooms=(Room("a", one.center, one.planes[2:]), Room("b", two.center, two.planes[:2]))
+    )
+    result = match(transformed(seen, MOTION), prior)
+    assert any(near(s.transform, MOTION.inverse()) for s in result.solutions)
+
+
+def test_the_json_is_complete_and_strict() -> None:
+    prior = building(RECTANGLES)
+    found = match(transformed(prior, MOTION), prior).to_dict()
+    again = json.loads(json.dumps(found, allow_nan=False))
+    assert again["format"] == "situgraph/match"
+    assert again["stats"]["model"].startswith("at least 4 of 5 rooms")
+    assert set(again["solutions"][0]["transform"]) == {"x", "y", "z", "yaw"}
+    assert again["stats"]["room_candidates"]["type"] == 25
+
+
+def test_a_room_that_names_no_plane_is_refused() -> None:
+    prior = building(RECTANGLES)
+    broken = prior.replace(planes=prior.planes[1:])
+    with pytest.raises(InputError, match=r"p0\.0"):
+        match(broken, prior)
+
+
+def test_updates_are_matches_from_scratch() -> None:
+    prior = building(RECTANGLES)
+    online = transformed(prior, MOTION)
+    matcher = Matcher(prior)
+    for k in range(1, len(online.rooms) + 1):
+        part = online.replace(rooms=online.rooms[:k])
+        one, two = matcher.update(part), match(part, matcher.index)
+        assert (one.verdict, one.count) == (two.verdict, two.count)
+        assert [s.transform for s in one.solutions] == [s.transform for s in two.solutions]
+    assert matcher.update(part) is one
