@@ -77,11 +77,65 @@ def room_boxes(case, r, a, out):
 @kernel
 def fits_somewhere(case, r, a, boxes):
     """Whether ``a`` explains ``r`` in isolation, at any placement; ``boxes`` is room to work in."""
+    known = _rectangles(case, r, a)
+    if known >= 0:
+        return known == 1
     count = room_boxes(case, r, a, boxes)
     for b in range(min(count, len(boxes))):  # noqa: SIM110
         if _explained_in(case, r, a, boxes[b]):
             return True
     return False
+
+
+@kernel
+def _rectangles(case, r, a):
+    """Whether ``a`` explains ``r`` when both are rectangles: 1 yes, 0 no, -1 they are not.
+
+    One plane of each direction can always be made to fit, and one of the other two may be missing.
+    So a width that agrees, within what a plane that fits and one that is moved allow, is enough.
+    """
+    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
+    i, j = seen.first[r], plan.first[a]
+    if seen.first[r + 1] - i != 4 or plan.first[a + 1] - j != 4 or len(_needs(case)) > 0:
+        return -1
+    one, three = _opposite(seen.angle[i : i + 4], limits.angle / 2)
+    if one < 0:
+        return -1
+    two, four = _opposite(plan.row[j : j + 4, 3], 1e-9)
+    if two < 0:
+        return -1
+    width = seen.distance[i] + seen.distance[i + one]
+    depth = seen.distance[i + three // 4] + seen.distance[i + three % 4]
+    along = plan.row[j, 2] + plan.row[j + two, 2]
+    across = plan.row[j + four // 4, 2] + plan.row[j + four % 4, 2]
+    most = limits.fit + limits.moved + 2 * SLACK
+    for theirs in (along, across):
+        if abs(width - theirs) <= most or abs(depth - theirs) <= most:
+            return 1
+    return 0
+
+
+@kernel
+def _needs(case):
+    return read(case.content).row_need
+
+
+@kernel
+def _opposite(angle, spread):
+    """Of four directions, the one opposite the first, and the other two as ``4 * k + m``.
+
+    (-1, -1) when they are not those of a rectangle, within ``spread``.
+    """
+    for one in range(1, 4):
+        k = 1 if one > 1 else 2
+        m = 6 - one - k
+        if (
+            abs(wrapped(angle[one] - angle[0] - math.pi)) <= spread
+            and abs(wrapped(angle[m] - angle[k] - math.pi)) <= spread
+            and abs(abs(wrapped(angle[k] - angle[0])) - math.pi / 2) <= spread
+        ):
+            return one, 4 * k + m
+    return -1, -1
 
 
 @kernel
