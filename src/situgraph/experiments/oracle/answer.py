@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import msgspec
 import numpy as np
 
 from situgraph.experiments.oracle.explained import Motion, View, view
@@ -14,6 +15,7 @@ from situgraph.experiments.oracle.problem import Flags, Problem
 from situgraph.experiments.oracle.regions import Regions
 from situgraph.experiments.oracle.scan import feasible_placements
 from situgraph.geometry.poses import Placement, rotation2, wrap_angle
+from situgraph.plan.layout_changes import mirrored
 
 COUNTS = 12.0  # nats below the best beyond which a candidate's exact L is of no account
 
@@ -127,6 +129,7 @@ def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> An
     c = problem.constants
     weights = [log_weight(problem, k.evidence) for k in candidates]
     outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
+    outside = float(np.logaddexp(outside, log_weight_mirrored(problem)))
     total = float(np.logaddexp.reduce([*weights, outside]))
     weighed = tuple(
         replace(k, probability=math.exp(w - total)) for k, w in zip(candidates, weights)
@@ -140,6 +143,19 @@ def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> An
         sure = len(solutions) == 1 and solutions[0].probability >= c.unique_probability
         verdict = "unique" if sure else "ambiguous"
     return Answer(weighed, solutions, math.exp(outside - total), verdict)
+
+
+def log_weight_mirrored(problem: Problem) -> float:
+    """Ln W of 'the plan is mirrored': the best place of the mirror image of the online graph."""
+    c = problem.constants
+    if c.mirror_prior <= 0 or not problem.seen:
+        return -math.inf
+    constants = msgspec.structs.replace(c, mirror_prior=0.0)
+    image = answer(Problem(mirrored(problem.online), problem.prior, problem.policy, constants))
+    if not image.candidates:
+        return -math.inf
+    best = log_weight(problem, image.candidates[0].evidence)
+    return best - math.log(1 - c.outside_prior) + math.log(c.mirror_prior)
 
 
 def placement(problem: Problem, motion: Motion) -> Placement:

@@ -18,7 +18,7 @@ from situgraph.experiments.oracle.answer import (
     motion_of,
     same,
 )
-from situgraph.experiments.oracle.explained import FIT, View
+from situgraph.experiments.oracle.explained import View
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.experiments.oracle.regions import Regions
 from situgraph.geometry.poses import Placement
@@ -111,7 +111,7 @@ def _covers(problem: Problem, listed: View, start: View) -> bool:
 
 
 def _fitting(seen: View) -> set[tuple[int, int, int, int | None]]:
-    return {(p.r, p.a, w.i, w.j) for p in seen.pairs for w in p.planes if w.state == FIT}
+    return {(p.r, p.a, w.i, w.j) for p in seen.pairs for w in p.planes if w.fits}
 
 
 def _unlike(problem: Problem, truth: Answer, reported: Sequence[Placement]) -> list[str]:

@@ -23,11 +23,13 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     clutter_length: float = 10.0
     plane_sigma: float = 0.06
     angle_sigma: float = math.radians(2)
+    continuous: bool = False
     p_moved: float = 0.03
     p_missing: float = 0.03
     p_missing_shared: float = 0.1
     p_false_room: float = 0.1
     outside_prior: float = 0.01
+    mirror_prior: float = 0.0
     shape_walls: float = 4.0
     plan_margin: float = 5.0
     min_share: float = 0.7

@@ -29,11 +29,15 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class PlanePair:
-    """Online plane ``i`` of a room, its counterpart ``j`` (None when missing), the residuals."""
+    """Online plane ``i`` of a room, its counterpart ``j`` (None when missing), the residuals.
+
+    ``state`` is that of the likelihood; ``fits`` is what feasibility asks for.
+    """
 
     i: int
     j: int | None
     state: str
+    fits: bool = False
     angle: float = 0.0
     offset: float = 0.0
 
@@ -105,7 +109,9 @@ def explain(
         return None
     possible &= problem.planes_allowed(r, a)
     fits = possible & (np.abs(offset) <= c.fit_limit + slack)
-    terms = np.where(fits, fit_term(problem, offset, angle), moved_term(problem, angle))
+    fit, moved = fit_term(problem, offset, angle), moved_term(problem, angle)
+    likely = fit >= moved if c.continuous else fits
+    terms = np.where(likely, fit, moved)
     choices = np.array(assignments(possible))
     # Column -1 stands for a missing plane.
     fitting = _column_added(fits, False)[np.arange(len(fits)), choices]
@@ -117,7 +123,14 @@ def explain(
     planes = tuple(
         PlanePair(i, None, MISSING)
         if j < 0
-        else PlanePair(i, j, FIT if fits[i, j] else MOVED, float(angle[i, j]), float(offset[i, j]))
+        else PlanePair(
+            i,
+            j,
+            FIT if likely[i, j] else MOVED,
+            bool(fits[i, j]),
+            float(angle[i, j]),
+            float(offset[i, j]),
+        )
         for i, j in enumerate(choices[best].tolist())
     )
     return RoomPair(r, a, planes, float(scores[best]))
@@ -190,8 +203,6 @@ def pair_up(scores: dict[tuple[int, int], float], rows: int, columns: int) -> li
 
 def _fixed(problem: Problem, pairs: tuple[RoomPair, ...]) -> bool:
     """Whether the fitting planes are not all parallel."""
-    angles = np.array(
-        [problem.seen[p.r].angles[q.i] for p in pairs for q in p.planes if q.state == FIT]
-    )
+    angles = np.array([problem.seen[p.r].angles[q.i] for p in pairs for q in p.planes if q.fits])
     crossed = np.abs(np.sin(angles[:, None] - angles[None, :]))
     return bool((crossed >= problem.constants.parallel_sine).any())
