@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from situgraph.scenegraph.codec import validate
-from situgraph.slam.slam import Slam
 from tests.slam.worlds import Sweep, World, drive
+
+from situgraph.scenegraph.validation import validate
+from situgraph.slam.slam import Slam
 
 
 def one_room() -> World:
@@ -37,9 +37,9 @@ def test_the_trajectory_follows_the_robot(driven: tuple[Slam, list[Sweep]]) -> N
 
 
 def test_the_four_walls_are_planes_that_face_the_room(driven: tuple[Slam, list[Sweep]]) -> None:
-    slam, sweeps = driven
+    slam, _ = driven
     graph = validate(slam.scene_graph(), "test")
     assert graph.kind == "online"
-    long = [p for p in graph.planes if float(p.attributes["length"] or 0) > 2]  # type: ignore[arg-type]
+    long = [p for p in graph.planes if float(p.attributes["length"] or 0) > 2]
     found = sorted((round(p.normal[0]), round(p.normal[1]), round(p.offset, 1)) for p in long)
     assert found == [(-1, 0, 5.9), (0, -1, 4.9), (0, 1, -0.1), (1, 0, -0.1)]

@@ -120,10 +120,26 @@ class PlaneConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     least_height: Annotated[
         float, _meta("Least height that a wall piece shows", "m", "more than one ring", ge=0)
     ] = 0.12
+    bottom: Annotated[
+        float, _meta("Points below are floor and sills", "m", "skirting board", ge=0)
+    ] = 0.12
     top: Annotated[
         float,
         _meta("Points above are not used: lintels would close doors", "m", "door: 2.0 m", gt=0),
     ] = 1.9
+    noise_pieces: Annotated[
+        int, _meta("Longest pieces of a scan that tell its noise", "1", _TESTS, ge=1)
+    ] = 5
+    blur: Annotated[
+        float,
+        _meta("A piece that scatters more than this many times is no wall", "1", _TESTS, gt=1),
+    ] = 1.8
+    skew: Annotated[
+        float, _meta("Nor is one whose surfaces face another way", "rad", _TESTS, gt=0)
+    ] = 0.05
+    angle_limit: Annotated[
+        float, _meta("Nor one whose angle is known no better", "rad", _TESTS, gt=0)
+    ] = 0.025
     range_sigma: Annotated[
         float, _meta("Noise of one point across the wall, at least", "m", _VLP16, gt=0)
     ] = 0.015
@@ -196,8 +212,143 @@ class MapConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
         _meta("A plane seen on both sides of a shorter gap was seen in it", "m", _TESTS, ge=0),
     ] = 0.3
     certain_length: Annotated[
-        float, _meta("A plane this long counts after one sighting, others after two", "m", _TESTS)
+        float, _meta("A plane this long counts at once, shorter ones", "m", _TESTS, gt=0)
     ] = 1.5
+    certain_sightings: Annotated[int, _meta("... after so many sightings", "1", _TESTS, ge=1)] = 2
+    wall_share: Annotated[
+        float, _meta("Furniture ends below this share of the visible height", "1", _TESTS, ge=0)
+    ] = 0.8
+
+
+class RoomConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Rooms from free space and planes."""
+
+    cell: Annotated[float, _meta("Cell of the plan's raster", "m", "FACTS", gt=0)] = 0.1
+    band_top: Annotated[
+        float, _meta("Beams above say nothing of the free space", "m", "door: 2.0 m", gt=0)
+    ] = 1.9
+    free_range: Annotated[
+        float, _meta("Free space counts up to this distance", "m", _TESTS, gt=0)
+    ] = 15.0
+    free_margin: Annotated[
+        float, _meta("Free space ends this far before what was hit", "m", "half a cell", ge=0)
+    ] = 0.05
+    window: Annotated[
+        float, _meta("Rooms are looked for this far around the robot", "m", _TESTS, gt=0)
+    ] = 15.0
+    door_width: Annotated[
+        float, _meta("A gap in a wall up to this is a doorway", "m", "double doors", gt=0)
+    ] = 1.8
+    end_door_width: Annotated[
+        float, _meta("... a gap between a wall's end and the next wall", "m", "single doors", gt=0)
+    ] = 1.3
+    leaf_length: Annotated[float, _meta("An open door leaf is no longer", "m", "doors", gt=0)] = 1.3
+    leaf_thickness: Annotated[float, _meta("... and no thicker", "m", "doors, and noise", gt=0)] = (
+        0.12
+    )
+    collinear: Annotated[
+        float, _meta("Faces on one line differ less in offset", "m", _TESTS, gt=0)
+    ] = 0.08
+    thickest_wall: Annotated[
+        float, _meta("The other face of a wall lies no farther behind", "m", "walls", gt=0)
+    ] = 0.5
+    corner: Annotated[float, _meta("Walls whose ends are this near meet", "m", _TESTS, gt=0)] = 0.25
+    least_support: Annotated[
+        float, _meta("A plane bounds a room with at least this much of it", "m", _TESTS, gt=0)
+    ] = 0.4
+    jog: Annotated[
+        float, _meta("Parallel faces nearer than this are one side of a room", "m", _TESTS, gt=0)
+    ] = 0.25
+    most_planes: Annotated[
+        int, _meta("Planes of a room at most, the longest first", "1", _TESTS, ge=4, le=40)
+    ] = 20
+    open_slack: Annotated[
+        float, _meta("A region may end this far before a wall", "m", _TESTS, gt=0)
+    ] = 0.35
+    free_share: Annotated[
+        float, _meta("A cell between walls belongs to the room if so much is free", "1", _TESTS)
+    ] = 0.5
+    widest_window: Annotated[
+        float, _meta("... and up to this far when the robot's room goes on", "m", _TESTS, gt=0)
+    ] = 60.0
+    half_height: Annotated[
+        float, _meta("Centres of rooms lie this high over the floor", "m", "half of 2.5 m", gt=0)
+    ] = 1.25
+    every: Annotated[
+        float, _meta("Of keyframes nearer to each other only the last counts", "m", _TESTS, gt=0)
+    ] = 0.5
+    entered_margin: Annotated[
+        float, _meta("A room is entered this far inside its walls", "m", "half a robot", ge=0)
+    ] = 0.25
+    least_closed: Annotated[
+        float, _meta("Share of an entered room's outline that is wall or door", "1", _TESTS)
+    ] = 0.6
+    least_closed_unentered: Annotated[
+        float, _meta("The same for a room that was only looked into", "1", _TESTS)
+    ] = 0.85
+    least_area: Annotated[float, _meta("Smallest room", "m2", "a toilet", gt=0)] = 0.9
+    least_width: Annotated[float, _meta("Narrowest room", "m", "a toilet", gt=0)] = 0.7
+
+
+class StoreyConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Storeys from height changes."""
+
+    slack: Annotated[
+        float, _meta("A robot this near a storey's floor is on it", "m", "two steps", gt=0)
+    ] = 0.4
+    least_height: Annotated[
+        float, _meta("Storeys are at least so far apart", "m", "headroom", gt=0)
+    ] = 1.5
+    level_keyframes: Annotated[
+        int, _meta("Keyframes at one height that make a landing a storey", "1", _TESTS, ge=2)
+    ] = 3
+    level_range: Annotated[float, _meta("... whose heights differ less", "m", "one step", gt=0)] = (
+        0.12
+    )
+    standing: Annotated[
+        float, _meta("Base over the floor, before it was seen", "m", "Spot", gt=0)
+    ] = 0.5
+    standing_keyframes: Annotated[
+        int, _meta("Keyframes that tell base's height over the floor", "1", _TESTS, ge=1)
+    ] = 10
+    floor_slack: Annotated[
+        float, _meta("A floor seen farther from the storey's is another", "m", "one step", gt=0)
+    ] = 0.15
+
+
+class StructureConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Soft factors between planes: the two faces of a wall, the axes of a wing."""
+
+    least_sightings: Annotated[
+        int, _meta("Keyframes that saw a plane before it is tied", "1", _TESTS, ge=1)
+    ] = 3
+    least_length: Annotated[
+        float, _meta("Shorter planes are not tied to axes", "m", _TESTS, gt=0)
+    ] = 1.5
+    axes_length: Annotated[
+        float, _meta("A plane this long may start the axes of another wing", "m", _TESTS, gt=0)
+    ] = 3.0
+    same_axes: Annotated[
+        float, _meta("A wall this near in direction follows the axes", "rad", "1.5 deg", gt=0)
+    ] = 0.026
+    other_axes: Annotated[
+        float, _meta("... and one farther off has other axes", "rad", "5 deg", gt=0)
+    ] = 0.087
+    angle: Annotated[
+        float,
+        _meta("Walls deviate from parallel by this", "rad", "0.5 deg, building practice", gt=0),
+    ] = 0.009
+    tilt: Annotated[
+        float, _meta("Walls deviate from upright by this", "rad", "building practice", gt=0)
+    ] = 0.005
+    overlap: Annotated[
+        float, _meta("Two faces of a wall lie side by side for this long", "m", _TESTS, gt=0)
+    ] = 0.5
+    thinnest: Annotated[float, _meta("Thinnest wall", "m", "layouts", gt=0)] = 0.04
+    thickest: Annotated[float, _meta("Thickest wall", "m", "building practice", gt=0)] = 0.5
+    thickness_sigma: Annotated[
+        float, _meta("How well a wall keeps the thickness first seen", "m", _TESTS, gt=0)
+    ] = 0.05
 
 
 class GraphConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -209,6 +360,13 @@ class GraphConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     huber: Annotated[
         float, _meta("Kernel of motion factors, in sigmas", "1", "Huber 1981", gt=0)
     ] = 1.345
+    extra_steps: Annotated[
+        int, _meta("Further Gauss-Newton steps an update", "1", _TESTS, ge=0)
+    ] = 1
+    start_sigma: Annotated[
+        float,
+        _meta("The first keyframe's place and heading are the map's", "m, rad", "gauge", gt=0),
+    ] = 1e-3
     start_tilt: Annotated[float, _meta("Tilt of the first keyframe", "rad", _TESTS, gt=0)] = 0.05
     motion_angle: Annotated[
         float, _meta("Error of a motion's angle, a keyframe", "rad", _TESTS, gt=0)
@@ -229,4 +387,7 @@ class SlamConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     keyframes: KeyframeConfig = msgspec.field(default_factory=KeyframeConfig)
     planes: PlaneConfig = msgspec.field(default_factory=PlaneConfig)
     map: MapConfig = msgspec.field(default_factory=MapConfig)
+    rooms: RoomConfig = msgspec.field(default_factory=RoomConfig)
+    structure: StructureConfig = msgspec.field(default_factory=StructureConfig)
+    storeys: StoreyConfig = msgspec.field(default_factory=StoreyConfig)
     graph: GraphConfig = msgspec.field(default_factory=GraphConfig)

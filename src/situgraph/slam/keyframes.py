@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
 from situgraph.slam.cloud import thin
-from situgraph.slam.config import KeyframeConfig, PlaneConfig
+from situgraph.slam.config import KeyframeConfig, SlamConfig
+from situgraph.slam.freespace import free_reach
 from situgraph.slam.ground import Floor, floor
 from situgraph.slam.level import levelling, tilt
 from situgraph.slam.motion import size
@@ -22,7 +23,7 @@ class View:
     """What one scan shows, in the level frame: base turned so that z is up.
 
     ``up`` (3,) and ``tilt_sigma`` (rad): up in base. ``level`` (3, 3) turns base to the level
-    frame, ``points`` (n, 3) are level, ``cloud`` (m, 3) is kept in base.
+    frame. ``reach`` (BINS,) is the free distance by direction, ``cloud`` (m, 3) is kept in base.
     """
 
     up: Array
@@ -30,8 +31,8 @@ class View:
     level: Array
     floor: Floor | None
     sightings: list[Sighting]
+    reach: Array
     cloud: NDArray[np.float32]
-    points: Array
 
 
 @dataclass
@@ -51,16 +52,19 @@ def due(motion: Array, config: KeyframeConfig) -> bool:
     return length >= config.distance or angle >= config.angle
 
 
-def view(points: Array, attitude: Array, sensor: Array, planes: PlaneConfig, keep: float) -> View:
+def view(
+    points: Array, attitude: Array, sensor: Array, expected_floor: float, config: SlamConfig
+) -> View:
     """Walls, floor and tilt of a deskewed scan.
 
     Args:
         points: (n, 3) metres in base.
         attitude: (3, 3) rotation from base to a frame that is level but for a small error.
         sensor: (3,) origin of the LiDAR in base.
-        planes: settings.
-        keep: voxel (m) of the cloud that is kept.
+        expected_floor: height (m) of the floor in the level frame, where the scan shows none.
+        config: settings.
     """
+    planes = config.planes
     rough = thin(points, planes.voxel) @ attitude.T
     origin = attitude @ sensor
     seen = surfaces(rough - origin, planes.reach)
@@ -71,19 +75,29 @@ def view(points: Array, attitude: Array, sensor: Array, planes: PlaneConfig, kee
     base = fine @ origin
     near = np.linalg.norm(turned[:, :2], axis=1) < planes.floor_range
     ground = floor(turned[near], planes.floor_lowest, planes.floor_highest, planes.floor_points)
+    height = expected_floor if ground is None else ground.height
     walls = seen.walls @ fine.T + base
-    if ground is not None:
-        above = walls[:, 2] - ground.height
-        usable = (above > 0.1) & (above < planes.top)
-    else:
-        usable = np.ones(len(walls), dtype=bool)
+    above = walls[:, 2] - height
+    usable = (above > planes.bottom) & (above < planes.top)
+    walls[:, 2] = above
     pieces = sightings(walls[usable], seen.angles[usable], planes)
+    steepest = _steepest(turned, base)
+    pieces = [
+        s._replace(visible=min(float(base[2]) - height + steepest * s.distance(base), planes.top))
+        for s in pieces
+    ]
     return View(
         up=level.T @ np.array([0.0, 0.0, 1.0]),
         tilt_sigma=float(np.hypot(found.sigma, planes.tilt_floor)),
         level=level,
         floor=ground,
         sightings=pieces,
-        cloud=thin(points, keep).astype(np.float32),
-        points=turned,
+        reach=free_reach(points @ level.T, base, height, config.rooms),
+        cloud=thin(points, config.keyframes.voxel).astype(np.float32),
     )
+
+
+def _steepest(points: Array, sensor: Array) -> float:
+    """Slope of the highest beams (1: 45 deg), a few stray points left out."""
+    ray = points - sensor
+    return float(np.percentile(ray[:, 2] / np.hypot(ray[:, 0], ray[:, 1]), 99.5))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -10,29 +11,38 @@ import numpy as np
 from situgraph.geometry.poses import Array, rotation2
 from situgraph.slam.association import Association, associate
 from situgraph.slam.config import SlamConfig
-from situgraph.slam.graph import FactorGraph
+from situgraph.slam.graph import FactorGraph, Sight
 from situgraph.slam.keyframes import Keyframe, View
 from situgraph.slam.motion import size
-from situgraph.slam.planemap import PlaneMap
+from situgraph.slam.planemap import MapPlane, PlaneMap
 from situgraph.slam.sightings import Sighting
+from situgraph.slam.storeys import BETWEEN, Storeys
+from situgraph.slam.structure import Structure
 
 
 class Seen(NamedTuple):
-    """A plane that a keyframe saw: its number and the ends (2, 3) of the piece, in base."""
+    """A plane that a keyframe saw: number, ends (2, 3) of the piece in base, heights (m)."""
 
     plane: int
     ends: Array
+    heights: tuple[float, float]
 
 
 class Mapper:
     """Grows the plane map and the factor graph, keyframe by keyframe."""
 
-    def __init__(self, config: SlamConfig, graph: FactorGraph, planes: PlaneMap) -> None:
-        """Work on ``graph`` and ``planes``."""
+    def __init__(
+        self, config: SlamConfig, graph: FactorGraph, planes: PlaneMap, storeys: Storeys
+    ) -> None:
+        """Work on ``graph``, ``planes`` and ``storeys``."""
         self._config = config
         self._graph = graph
         self._planes = planes
+        self._storeys = storeys
+        self._structure = Structure(config.structure, graph)
         self._grounds: set[int] = set()
+        self._poses: dict[int, Array] = {}
+        self.on_merge: Callable[[int, int], None] = lambda keep, drop: None
 
     def add(self, keyframe: Keyframe, guess: Array, motion: Array | None, trusted: bool) -> None:
         """Take in a keyframe.
@@ -40,14 +50,15 @@ class Mapper:
         ``guess`` is its expected pose (4x4) in the map, ``motion`` the measured one since the
         keyframe before (None for the first), ``trusted`` whether scans were registered between.
         """
-        view = keyframe.view
-        level = level_pose(guess)
-        known = self._planes.on(keyframe.storey)
-        paired = associate(view.sightings, level, known, self._config.map)
-        pose = base_pose(level + paired.correction, float(guess[2, 3]), view)
+        view, storey = keyframe.view, keyframe.storey
+        known = self._planes.on(storey)
+        paired = associate(view.sightings, level_pose(guess), known, self._config.map)
+        pose = base_pose(level_pose(guess) + paired.correction, float(guess[2, 3]), view)
         self._tie(keyframe, pose, motion, trusted)
-        self._see_floor(keyframe, pose)
-        seen = self._see_walls(keyframe, pose, paired)
+        seen: list[Seen] = []
+        if storey != BETWEEN:
+            self._see_floor(keyframe, pose)
+            seen = self._see_walls(keyframe, pose, paired)
         self._graph.update()
         self._follow(keyframe, seen)
 
@@ -59,24 +70,27 @@ class Mapper:
             length, _ = size(motion)
             shift = g.motion_position + g.motion_share * length
             sigmas = np.array([g.motion_angle] * 3 + [shift] * 3)
-            self._graph.follow(number, pose)
+            self._graph.add_pose(("x", number), pose)
             self._graph.motion(
                 number - 1, number, motion, sigmas if trusted else sigmas * g.lost_factor
             )
         self._graph.upright(number, keyframe.view.up, keyframe.view.tilt_sigma)
 
     def _see_floor(self, keyframe: Keyframe, pose: Array) -> None:
-        view, storey = keyframe.view, keyframe.storey
+        view, c = keyframe.view, self._config.planes
         if view.floor is None:
             return
-        if storey not in self._grounds:
-            self._grounds.add(storey)
-            height = float(pose[2, 3]) + view.floor.height
-            self._graph.add_plane("g", storey, np.array([0.0, 0.0, 1.0, -height]))
-        c = self._config.planes
+        storey = self._storeys.storeys[keyframe.storey]
+        height = float(pose[2, 3]) + view.floor.height
+        if abs(height - storey.elevation) > self._config.storeys.floor_slack:
+            return
+        if storey.number not in self._grounds:
+            self._grounds.add(storey.number)
+            self._graph.add_plane(("g", storey.number), np.array([0.0, 0.0, 1.0, -height]))
         measured = np.array([*view.up, -view.floor.height])
         self._graph.see(
-            keyframe.number, "g", storey, measured, np.array([c.floor_tilt, c.floor_sigma])
+            ("g", storey.number),
+            Sight(("x", keyframe.number), measured, (c.floor_tilt, c.floor_sigma)),
         )
 
     def _see_walls(self, keyframe: Keyframe, pose: Array, paired: Association) -> list[Seen]:
@@ -88,27 +102,53 @@ class Mapper:
                 if piece.length < self._config.map.new_length:
                     continue
                 number = self._start_plane(keyframe.storey, pose, normal, piece)
-            sigmas = np.sqrt(np.diag(piece.covariance))
+            turn, shift = (float(s) for s in np.sqrt(np.diag(piece.covariance)))
             measured = np.array([*normal, piece.offset])
-            self._graph.see(keyframe.number, "p", number, measured, sigmas)
+            self._graph.see(("p", number), Sight(("x", keyframe.number), measured, (turn, shift)))
             ends = np.column_stack([piece.ends, np.zeros(2)]) @ view.level
-            seen.append(Seen(number, ends))
+            seen.append(Seen(number, ends, (piece.high, piece.visible)))
         return seen
 
     def _start_plane(self, storey: int, pose: Array, normal: Array, piece: Sighting) -> int:
         n = pose[:3, :3] @ normal
         plane = self._planes.new(storey, np.array([*n, piece.offset - n @ pose[:3, 3]]))
-        self._graph.add_plane("p", plane.number, plane.plane)
+        self._graph.add_plane(("p", plane.number), plane.plane)
         return plane.number
 
     def _follow(self, keyframe: Keyframe, seen: list[Seen]) -> None:
-        """The map takes over what the graph found."""
-        pose = self._graph.pose(keyframe.number)
-        for number, ends in seen:
-            self._planes.widen(number, keyframe.number, ends, pose)
+        """The map takes over what the graph found; what proved to be one plane is merged."""
+        self._poses = {}
+        for number, ends, heights in seen:
+            self._planes.widen(number, keyframe.number, ends, heights, self.pose(keyframe.number))
         touched = sorted({s.plane for s in seen})
         for number, plane in zip(touched, self._graph.planes("p", touched)):
-            self._planes.place(number, plane, self._graph.pose)
+            self._planes.place(number, plane, self.pose)
+        if keyframe.storey in self._grounds:
+            ground = self._graph.planes("g", [keyframe.storey])[0]
+            self._storeys.storeys[keyframe.storey].elevation = -float(ground[3] / ground[2])
+        self._merge_doubles(keyframe.storey, touched)
+        known = self._planes.on(keyframe.storey)
+        self._structure.tie([p for p in known if p.number in set(touched)], known)
+
+    def _merge_doubles(self, storey: int, touched: list[int]) -> None:
+        for number in touched:
+            plane = self._planes.planes.get(number)
+            if plane is None:
+                continue
+            for other in self._planes.on(storey):
+                if other.number != number and _same(plane, other, self._config):
+                    keep, drop = sorted((number, other.number))
+                    self._structure.forget(drop)
+                    self._graph.merge_planes(keep, drop)
+                    self._planes.merge(keep, drop, self.pose)
+                    self.on_merge(keep, drop)
+                    break
+
+    def pose(self, number: int) -> Array:
+        """Pose (4x4) of a keyframe after the last update."""
+        if number not in self._poses:
+            self._poses[number] = self._graph.poses([number])[0]
+        return self._poses[number]
 
 
 def level_pose(pose: Array) -> Array:
@@ -124,3 +164,18 @@ def base_pose(level: Array, height: float, view: View) -> Array:
     pose[:3, :3] = turn @ view.level
     pose[:3, 3] = level[0], level[1], height
     return pose
+
+
+def _same(plane: MapPlane, other: MapPlane, config: SlamConfig) -> bool:
+    """Whether two planes of the map are one: same direction, same place, side by side."""
+    c = config.map
+    if float(plane.normal @ other.normal) < math.cos(c.merge_angle):
+        return False
+    ends = other.ends()
+    low, high = sorted((ends @ plane.tangent).tolist())
+    if plane.distance_along(low, high) > 0.0:
+        return False
+    low = max(low, plane.intervals[0][0])
+    high = min(high, plane.intervals[-1][1])
+    middle = plane.point((low + high) / 2)
+    return abs(float(other.normal @ middle) + other.offset) < c.merge_offset

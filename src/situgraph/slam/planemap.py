@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from situgraph.geometry.poses import Array
+from situgraph.slam.config import MapConfig
 
 Interval = tuple[float, float]
 
@@ -17,7 +18,8 @@ class MapPlane:
     """A wall face. ``plane`` (4,) n, d in the map, n into the room; of one ``storey``.
 
     ``parts`` are the pieces that widened it: keyframe and ends (2, 3) in base, so that they move
-    with the keyframes; ``intervals`` the covered stretches along ``tangent``, ascending.
+    with the keyframes; ``intervals`` the covered stretches along ``tangent``, ascending. ``top``
+    (m) is how high over the floor it was seen, ``visible`` how high it could have been seen.
     """
 
     number: int
@@ -26,6 +28,8 @@ class MapPlane:
     parts: list[tuple[int, Array]] = field(default_factory=list)
     intervals: list[Interval] = field(default_factory=list)
     sightings: int = 0
+    top: float = 0.0
+    visible: float = 0.0
 
     @property
     def normal(self) -> Array:
@@ -48,6 +52,11 @@ class MapPlane:
     def length(self) -> float:
         """Metres that were seen."""
         return sum(b - a for a, b in self.intervals)
+
+    def certain(self, config: MapConfig) -> bool:
+        """Whether it is a wall: seen often or long, and as high as it could be seen."""
+        often = self.sightings >= config.certain_sightings or self.length >= config.certain_length
+        return often and self.top >= config.wall_share * self.visible
 
     def point(self, along: float) -> Array:
         """The point (2,) of the line at ``along`` metres."""
@@ -94,10 +103,17 @@ class PlaneMap:
         self.planes[made.number] = made
         return made
 
-    def widen(self, number: int, keyframe: int, ends: Array, pose: Array) -> None:
-        """The keyframe at ``pose`` saw the plane between ``ends`` (2, 3), given in base."""
+    def widen(
+        self, number: int, keyframe: int, ends: Array, heights: tuple[float, float], pose: Array
+    ) -> None:
+        """The keyframe at ``pose`` saw the plane between ``ends`` (2, 3), given in base.
+
+        ``heights`` (m): how high over the floor, and how high it could have been seen.
+        """
         plane = self.planes[number]
         plane.sightings += 1
+        plane.top = max(plane.top, heights[0])
+        plane.visible = max(plane.visible, heights[1])
         low, high = self._span(plane, ends, pose)
         if not plane.covers(low, high):
             plane.parts.append((keyframe, ends))
@@ -115,6 +131,7 @@ class PlaneMap:
         kept, gone = self.planes[keep], self.planes.pop(drop)
         kept.parts += gone.parts
         kept.sightings += gone.sightings
+        kept.top, kept.visible = max(kept.top, gone.top), max(kept.visible, gone.visible)
         self.place(keep, kept.plane, pose_of)
 
     def on(self, storey: int) -> list[MapPlane]:

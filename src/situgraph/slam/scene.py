@@ -2,44 +2,99 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from situgraph.geometry.poses import matrix_to_pose
-from situgraph.scenegraph.graph import Keyframe as KeyframeNode
-from situgraph.scenegraph.graph import Plane, SceneGraph, Warning
-from situgraph.slam.graph import FactorGraph
-from situgraph.slam.keyframes import Keyframe
-from situgraph.slam.planemap import MapPlane, PlaneMap
+from situgraph.geometry.poses import Array, matrix_to_pose
+from situgraph.scenegraph.graph import Keyframe, Plane, Pose, Room, SceneGraph, Storey, Warning
+from situgraph.slam.planemap import MapPlane
+from situgraph.slam.rooms import MapRoom
+from situgraph.slam.storeys import BETWEEN
+
+if TYPE_CHECKING:
+    from situgraph.slam.slam import Slam
 
 
-def scene_graph(
-    keyframes: Sequence[Keyframe],
-    graph: FactorGraph,
-    planes: PlaneMap,
-    warnings: tuple[Warning, ...],
-) -> SceneGraph:
-    """Everything observable, in the map frame; planes with ``sightings`` and ``length`` (m)."""
-    poses = graph.poses([k.number for k in keyframes])
+def scene_graph(slam: Slam) -> SceneGraph:
+    """Everything observable, in the map frame.
+
+    Planes carry ``sightings``, ``length`` (m seen), ``sigma_angle`` (rad) and ``sigma_offset`` (m),
+    their normals point to where they were seen from: into their rooms. Rooms carry ``closed``
+    (share of the outline seen as wall), ``entered`` and ``area`` (m2). What is no room is a
+    warning whose code starts with ``room-``.
+    """
+    slam.refresh()
+    bounding = {p for r in slam.rooms.rooms.values() for p in r.planes}
+    shown = [
+        p
+        for p in slam.planes.planes.values()
+        if p.number in bounding or (p.certain(slam.config.map) and p.length > 0)
+    ]
+    reasons = tuple(Warning(r.code, r.sentence) for r in slam.reasons)
     return SceneGraph(
         kind="online",
-        planes=tuple(_plane(p) for p in planes.planes.values()),
-        keyframes=tuple(
-            KeyframeNode(f"k{k.number}", k.stamp, tuple(float(v) for v in pose))  # type: ignore[arg-type]
-            for k, pose in zip(keyframes, matrix_to_pose(poses) if len(poses) else poses)
+        storeys=tuple(
+            Storey(f"s{s.number}", elevation=round(s.elevation, 4)) for s in slam.storeys.storeys
         ),
-        warnings=warnings,
+        rooms=tuple(_room(slam, r) for r in slam.rooms.rooms.values()),
+        planes=tuple(_plane(slam, p) for p in shown),
+        keyframes=_keyframes(slam),
+        warnings=(*slam.warnings, *reasons),
     )
 
 
-def _plane(plane: MapPlane) -> Plane:
+def _keyframes(slam: Slam) -> tuple[Keyframe, ...]:
+    poses = slam.graph.poses([k.number for k in slam.keyframes])
+    rows = matrix_to_pose(poses) if len(poses) else np.empty((0, 7))
+    return tuple(
+        Keyframe(
+            f"k{k.number}",
+            k.stamp,
+            _pose(row),
+            attributes={} if k.storey == BETWEEN else {"storey": f"s{k.storey}"},
+        )
+        for k, row in zip(slam.keyframes, rows)
+    )
+
+
+def _room(slam: Slam, room: MapRoom) -> Room:
+    outline = room.footprint
+    floor = slam.storeys.storeys[room.storey].elevation
+    middle = floor + slam.config.rooms.half_height
+    return Room(
+        f"r{room.number}",
+        (outline.centre[0], outline.centre[1], middle),
+        tuple(f"p{p}" for p in room.planes),
+        storey=f"s{room.storey}",
+        footprint=tuple((float(x), float(y)) for x, y in outline.corners),
+        attributes={
+            "closed": round(float(outline.closed), 3),
+            "entered": room.entered,
+            "area": round(outline.area, 2),
+            "kind": "corridor" if room.corridor else "room",
+        },
+    )
+
+
+def _plane(slam: Slam, plane: MapPlane) -> Plane:
     n = plane.plane[:3] / np.linalg.norm(plane.plane[:3])
-    (ax, ay), (bx, by) = plane.ends()
+    (ax, ay), (bx, by) = plane.ends().tolist()
+    angle, offset = slam.graph.plane_sigma(plane.number)
     return Plane(
         f"p{plane.number}",
         (float(n[0]), float(n[1]), float(n[2])),
         float(plane.plane[3]),
-        extent=((float(ax), float(ay)), (float(bx), float(by))),
-        attributes={"sightings": plane.sightings, "length": round(plane.length, 3)},
+        extent=((ax, ay), (bx, by)),
+        attributes={
+            "sightings": plane.sightings,
+            "length": round(plane.length, 3),
+            "sigma_angle": round(angle, 6),
+            "sigma_offset": round(offset, 5),
+        },
     )
+
+
+def _pose(row: Array) -> Pose:
+    x, y, z, qx, qy, qz, qw = row.tolist()
+    return (x, y, z, qx, qy, qz, qw)

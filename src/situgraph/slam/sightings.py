@@ -24,7 +24,8 @@ class Sighting(NamedTuple):
 
     ``angle`` of the unit normal towards the sensor and ``offset`` > 0 (m):
     x cos(angle) + y sin(angle) + offset = 0. ``ends`` (2, 2) in the plan, ``covariance`` (2, 2) of
-    (angle, offset), ``low`` and ``high`` (m) of its points, ``points`` and their ``rms`` (m).
+    (angle, offset), ``low`` and ``high`` (m) over the floor, ``points`` and their ``rms`` (m).
+    ``visible`` is the height over the floor up to which the scan could have shown the piece.
     """
 
     angle: float
@@ -35,11 +36,16 @@ class Sighting(NamedTuple):
     high: float
     points: int
     rms: float
+    visible: float = 0.0
 
     @property
     def normal(self) -> Array:
         """Unit normal (2,) in the plan."""
         return np.array([np.cos(self.angle), np.sin(self.angle)])
+
+    def distance(self, point: Array) -> float:
+        """Metres in the plan from ``point`` to the middle of the piece."""
+        return float(np.linalg.norm(self.ends.mean(axis=0) - point[:2]))
 
     @property
     def length(self) -> float:
@@ -48,18 +54,33 @@ class Sighting(NamedTuple):
 
 
 def sightings(points: Array, angles: Array, config: PlaneConfig) -> list[Sighting]:
-    """Wall pieces among ``points`` (n, 3) that face the ``angles`` (n,), longest first."""
+    """Wall pieces among ``points`` (n, 3) that face the ``angles`` (n,), longest first.
+
+    x, y are those of the level frame, z is the height over the floor.
+    """
     found: list[Sighting] = []
     left = np.ones(len(points), dtype=bool)
     for angle in _directions(angles, config):
         facing = left & (np.abs(wrap_angle(angles - angle)) < VOTE_WIDTH)
         for group in _offsets(points, facing, angle, config):
             for piece in _pieces(points, group, angle, config):
-                sighting, members = _fit(points, piece, angle, config)
+                sighting, members = _fit(points, angles, piece, angle, config)
                 if sighting is not None:
                     found.append(sighting)
                     left[members] = False
-    return sorted(found, key=lambda s: -s.length)
+    return _sharp(sorted(found, key=lambda s: -s.length), config)
+
+
+def _sharp(pieces: list[Sighting], config: PlaneConfig) -> list[Sighting]:
+    """Without lines through steps (a wall and the frame before it): they scatter more than walls.
+
+    How much walls scatter is taken from the longest pieces of the same scan.
+    """
+    if not pieces:
+        return []
+    noise = float(np.median([s.rms for s in pieces[: config.noise_pieces]]))
+    limit = max(config.blur * noise, config.range_sigma)
+    return [s for s in pieces if s.rms <= limit and s.covariance[0, 0] <= config.angle_limit**2]
 
 
 def _directions(angles: Array, config: PlaneConfig) -> Iterator[float]:
@@ -121,7 +142,7 @@ def _pieces(
 
 
 def _fit(
-    points: Array, piece: NDArray[np.intp], angle: float, config: PlaneConfig
+    points: Array, angles: Array, piece: NDArray[np.intp], angle: float, config: PlaneConfig
 ) -> tuple[Sighting | None, NDArray[np.intp]]:
     """A line through the piece, refitted to the points near it; None when it is no wall."""
     members = piece
@@ -135,27 +156,31 @@ def _fit(
         if normal @ centre > 0:
             normal = -normal
         offset = -float(normal @ centre)
-        if np.abs(wrap_angle(np.arctan2(normal[1], normal[0]) - angle)) > VOTE_WIDTH:
+        facing = float(np.arctan2(normal[1], normal[0]))
+        if np.abs(wrap_angle(facing - angle)) > VOTE_WIDTH:
             return None, members
         residual = points[piece, :2] @ normal + offset
         members = piece[np.abs(residual) < width * config.thickness]
     if len(members) < config.least_points:
         return None, members
+    if abs(float(np.median(wrap_angle(angles[members] - facing)))) > config.skew:
+        return None, members  # its surfaces face another way: a line through a step
     tangent = np.array([-normal[1], normal[0]])
     along = points[members, :2] @ tangent
     rms = float(np.sqrt(np.mean((points[members, :2] @ normal + offset) ** 2)))
     low, high = float(along.min()), float(along.max())
-    if high - low < config.least_length:
+    heights = points[members, 2]
+    if high - low < config.least_length or np.ptp(heights) < config.least_height:
         return None, members
     foot = -offset * normal
     return (
         Sighting(
-            float(np.arctan2(normal[1], normal[0])),
+            facing,
             offset,
             np.array([foot + low * tangent, foot + high * tangent]),
             _covariance(along, rms, config),
-            float(points[members, 2].min()),
-            float(points[members, 2].max()),
+            float(heights.min()),
+            float(heights.max()),
             len(members),
             rms,
         ),

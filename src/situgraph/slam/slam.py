@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,10 +18,13 @@ from situgraph.slam.deskew import deskew
 from situgraph.slam.graph import FactorGraph
 from situgraph.slam.keyframes import Keyframe, due, view
 from situgraph.slam.mapping import Mapper, level_pose
-from situgraph.slam.motion import OdometryTrack, interpolate, relative, tidy
+from situgraph.slam.motion import OdometryTrack, interpolate, relative, size, tidy
 from situgraph.slam.notices import Notices
 from situgraph.slam.planemap import PlaneMap
+from situgraph.slam.rooms import Reason, RoomBook
 from situgraph.slam.scene import scene_graph
+from situgraph.slam.storeys import BETWEEN, Storeys
+from situgraph.slam.surroundings import Surroundings
 
 
 class Slam:
@@ -41,28 +48,42 @@ class Slam:
         self._track = OdometryTrack(self.config.odometry.memory)
         self._odometry = odometry.make(self.config.odometry)
         self.graph = FactorGraph(self.config.graph)
-        self.map = PlaneMap(self.config.map.interval_gap)
-        self._mapper = Mapper(self.config, self.graph, self.map)
+        self.planes = PlaneMap(self.config.map.interval_gap)
+        self.storeys = Storeys(self.config.storeys)
+        self.rooms = RoomBook(self.config.rooms)
+        self._mapper = Mapper(self.config, self.graph, self.planes, self.storeys)
+        self._mapper.on_merge = self.rooms.rename_plane
+        self._surroundings = Surroundings(self.config.rooms)
         self.keyframes: list[Keyframe] = []
         self._last: tuple[float, Array] | None = None  # stamp and odometry pose of the last scan
         self._step = (np.eye(4), 1.0)  # the last motion and the seconds it took
         self._trusted = True
         self._path: list[tuple[float, int, Array]] = []
         self._notices = Notices()
+        self.seconds = {"odometry": 0.0, "planes": 0.0, "graph": 0.0, "rooms": 0.0}
 
     def feed_odometry(self, stamp: float, pose: ArrayLike) -> None:
         """The robot's own estimate (7,) of base at ``stamp`` (s), in a frame whose z is up."""
+        matrix = pose_to_matrix(pose)
         last = self._track.last
-        if last is not None and stamp <= last[0]:
+        if not np.isfinite(matrix).all():
+            self._notices.add("odometry-not-finite", f"odometry at {stamp:.3f} s is not finite")
+        elif last is None:
+            self._track.add(stamp, matrix)
+        elif stamp <= last[0]:
             self._notices.add(
                 "odometry-out-of-order", f"odometry at {stamp:.3f} s is not later than the last one"
             )
-            return
-        matrix = pose_to_matrix(pose)
-        if not np.isfinite(matrix).all():
-            self._notices.add("odometry-not-finite", f"odometry at {stamp:.3f} s is not finite")
-            return
-        self._track.add(stamp, matrix)
+        else:
+            c = self.config.odometry
+            step, _ = size(relative(last[1], matrix))
+            if step > c.largest_speed * (stamp - last[0]) + c.jump_slack:
+                self._notices.add(
+                    "odometry-jump",
+                    f"odometry jumps by {step:.2f} m at {stamp:.3f} s; the step is left out",
+                )
+                self._track.restart()
+            self._track.add(stamp, matrix)
 
     def feed_scan(
         self, stamp: float, points: ArrayLike, times: ArrayLike | None = None
@@ -77,11 +98,12 @@ class Slam:
         cleaned = self._accept(stamp, points)
         if cleaned is None:
             return None
-        motion, seconds = self._expected_motion(stamp)
-        scan = moved(cleaned.points, self._lidar)
-        if times is not None:
-            scan = deskew(scan, np.asarray(times)[cleaned.kept], motion, seconds)
-        step = self._odometry.register(scan, self._expected_pose(stamp, motion))
+        with self._timed("odometry"):
+            motion, seconds = self._expected_motion(stamp)
+            scan = moved(cleaned.points, self._lidar)
+            if times is not None:
+                scan = deskew(scan, np.asarray(times)[cleaned.kept], motion, seconds)
+            step = self._odometry.register(scan, self._expected_pose(stamp, motion))
         if not step.trusted:
             self._trusted = False
             self._notices.add(
@@ -98,6 +120,14 @@ class Slam:
         self._path.append((stamp, last.number, relative(last.odometry, pose)))
         return keyframe
 
+    @property
+    def pose(self) -> Array:
+        """Pose (7,) of base in the map at the last scan."""
+        if not self._path:
+            return matrix_to_pose(np.eye(4))
+        _, number, motion = self._path[-1]
+        return matrix_to_pose(self.graph.pose(number) @ motion)
+
     def trajectory(self) -> tuple[Array, Array]:
         """Stamps (n,) and poses (n, 7) of base in the map, one a scan."""
         poses = self.graph.poses([k.number for k in self.keyframes])
@@ -105,9 +135,21 @@ class Slam:
         matrices = np.array([poses[k] @ m for _, k, m in self._path]).reshape(-1, 4, 4)
         return stamps, matrix_to_pose(matrices) if len(matrices) else np.empty((0, 7))
 
+    def refresh(self) -> None:
+        """Let every plane and room follow the graph, also those far from the robot."""
+        numbers = list(self.planes.planes)
+        for number, plane in zip(numbers, self.graph.planes("p", numbers)):
+            self.planes.place(number, plane, self._mapper.pose)
+        self.rooms.follow(self.planes.planes)
+
     def scene_graph(self) -> SceneGraph:
         """The map as it is now."""
-        return scene_graph(self.keyframes, self.graph, self.map, self.warnings)
+        return scene_graph(self)
+
+    @property
+    def reasons(self) -> tuple[Reason, ...]:
+        """Why free space that was seen is no room."""
+        return self.rooms.reasons
 
     @property
     def warnings(self) -> tuple[Warning, ...]:
@@ -157,12 +199,34 @@ class Slam:
         if motion is not None and not due(motion, self.config.keyframes):
             return None
         guess = pose if motion is None else self.graph.pose(self.keyframes[-1].number) @ motion
-        unturn = np.eye(3)
-        unturn[:2, :2] = rotation2(-float(level_pose(guess)[2]))
-        c = self.config
-        seen = view(scan, unturn @ guess[:3, :3], self._lidar[:3, 3], c.planes, c.keyframes.voxel)
-        keyframe = Keyframe(len(self.keyframes), stamp, pose, seen)
+        with self._timed("planes"):
+            unturn = np.eye(3)
+            unturn[:2, :2] = rotation2(-float(level_pose(guess)[2]))
+            attitude = unturn @ guess[:3, :3]
+            seen = view(scan, attitude, self._lidar[:3, 3], -self.storeys.standing, self.config)
+        floor = None if seen.floor is None else seen.floor.height
+        storey = self.storeys.at(float(guess[2, 3]), floor)
+        keyframe = Keyframe(len(self.keyframes), stamp, pose, seen, storey)
         self.keyframes.append(keyframe)
-        self._mapper.add(keyframe, guess, motion, self._trusted)
+        with self._timed("graph"):
+            self._mapper.add(keyframe, guess, motion, self._trusted)
         self._trusted = True
+        if storey != BETWEEN:
+            with self._timed("rooms"):
+                self._find_rooms(keyframe)
         return keyframe
+
+    def _find_rooms(self, keyframe: Keyframe) -> None:
+        self._surroundings.add(keyframe, self._mapper.pose(keyframe.number))
+        place = self._mapper.pose(keyframe.number)[:2, 3]
+        near = self._surroundings.near(keyframe.storey, place, self._mapper.pose)
+        walls = [p for p in self.planes.on(keyframe.storey) if p.certain(self.config.map)]
+        self.rooms.update(keyframe.storey, place, near.outlines, near.places, walls)
+
+    @contextmanager
+    def _timed(self, stage: str) -> Iterator[None]:
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[stage] += time.perf_counter() - start

@@ -1,0 +1,151 @@
+"""Openings in walls that part rooms: gaps of door width in a wall's line.
+
+A wall is what lies on one line: every plane that faces the same way there and, a wall's thickness
+behind, those that face the other way. A gap in it, or between its end and the wall it runs into,
+is a doorway when it is no wider than a door. Where a further wall runs back from an end (an inner
+corner of an L-shaped room, the mouth of an alcove), there is no door: the space beyond belongs to
+the same room.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from situgraph.geometry.poses import Array
+from situgraph.slam.config import RoomConfig
+from situgraph.slam.planemap import Interval, MapPlane, united
+
+PARALLEL = 0.99  # cosine: 8 deg
+
+
+class Gap(NamedTuple):
+    """An opening in the line of plane ``plane`` between its ``ends`` (2, 2) in the plan."""
+
+    plane: int
+    ends: Array
+
+
+class _Stretches(NamedTuple):
+    """All stretches of all planes: end points and the normal of their plane, each (n, 2)."""
+
+    first: Array
+    last: Array
+    normal: Array
+    tangent: Array
+    offset: Array
+    owner: Array
+
+
+def doorways(planes: Sequence[MapPlane], config: RoomConfig) -> list[Gap]:
+    """The doorways in the walls of one storey."""
+    if not planes:
+        return []
+    every = _stretches(planes)
+    found: list[Gap] = []
+    for plane in planes:
+        solid = _solid(plane, every, config)
+        back = _turning_back(plane, every, config)
+        for (_, a), (b, _) in pairwise(solid):
+            own = any(abs(a - v) < 1e-6 or abs(b - u) < 1e-6 for u, v in plane.intervals)
+            if own and b - a <= config.door_width and not (_near(back, a) and _near(back, b)):
+                found.append(_gap(plane, a, b))
+        for end, sign in ((solid[0][0], -1.0), (solid[-1][1], 1.0)):
+            hit = _next_wall(plane, end, sign, every, config)
+            if hit is not None and not _near(back, end):
+                found.append(_gap(plane, min(end, hit), max(end, hit)))
+    return found
+
+
+def without_leaves(planes: Sequence[MapPlane], config: RoomConfig) -> list[MapPlane]:
+    """The planes that are no open door leaves: short, and as thin as a board."""
+    short = [p for p in planes if p.length <= config.leaf_length]
+    leaves = {p.number for p in short for q in short if _back_to_back(p, q, config)}
+    return [p for p in planes if p.number not in leaves]
+
+
+def _stretches(planes: Sequence[MapPlane]) -> _Stretches:
+    rows = [(p, a, b) for p in planes for a, b in p.intervals]
+    return _Stretches(
+        np.array([p.point(a) for p, a, _ in rows]),
+        np.array([p.point(b) for p, _, b in rows]),
+        np.array([p.normal for p, _, _ in rows]),
+        np.array([p.tangent for p, _, _ in rows]),
+        np.array([p.offset for p, _, _ in rows]),
+        np.array([p.number for p, _, _ in rows]),
+    )
+
+
+def _solid(plane: MapPlane, every: _Stretches, config: RoomConfig) -> list[Interval]:
+    """Where the wall is: the plane's own stretches and those of the same wall."""
+    facing = every.normal @ plane.normal
+    middle = (every.first + every.last) / 2
+    before = middle @ plane.normal + plane.offset
+    same = (facing > PARALLEL) & (np.abs(before) < config.collinear)
+    other = (facing < -PARALLEL) & (before < 0.02) & (before > -config.thickest_wall)
+    use = same | other
+    u, v = every.first[use] @ plane.tangent, every.last[use] @ plane.tangent
+    low, high = np.minimum(u, v), np.maximum(u, v)
+    reach = config.door_width + 0.5
+    near = (high > plane.intervals[0][0] - reach) & (low < plane.intervals[-1][1] + reach)
+    spans = [(float(a), float(b)) for a, b in zip(low[near], high[near])]
+    return united([*plane.intervals, *spans], 1e-6)
+
+
+def _turning_back(plane: MapPlane, every: _Stretches, config: RoomConfig) -> Array:
+    """Where (m along the plane) walls longer than a door leaf run away from its room."""
+    across = every.tangent @ plane.normal
+    first = every.first @ plane.normal + plane.offset
+    last = every.last @ plane.normal + plane.offset
+    high, low = np.maximum(first, last), np.minimum(first, last)
+    back = (
+        (np.abs(across) > 0.7) & (np.abs(high) < config.corner + 0.2) & (low < -config.leaf_length)
+    )
+    top = np.where((first > last)[:, None], every.first, every.last)
+    out: Array = top[back] @ plane.tangent
+    return out
+
+
+def _near(places: Array, along: float) -> bool:
+    return bool((np.abs(places - along) < 0.3).any())
+
+
+def _gap(plane: MapPlane, low: float, high: float) -> Gap:
+    return Gap(plane.number, np.array([plane.point(low), plane.point(high)]))
+
+
+def _next_wall(
+    plane: MapPlane, end: float, sign: float, every: _Stretches, config: RoomConfig
+) -> float | None:
+    """Where the line of ``plane`` meets the next wall within a door's width; None if nowhere."""
+    slope = every.normal @ plane.tangent
+    with np.errstate(divide="ignore", invalid="ignore"):
+        hit = end - (every.normal @ plane.point(end) + every.offset) / slope
+    width = (hit - end) * sign
+    crossing = plane.point(0.0) + hit[:, None] * plane.tangent
+    along = np.einsum("ij,ij->i", crossing, every.tangent)
+    u = np.einsum("ij,ij->i", every.first, every.tangent)
+    v = np.einsum("ij,ij->i", every.last, every.tangent)
+    beside = np.maximum(np.minimum(u, v) - along, along - np.maximum(u, v))
+    good = (
+        (slope * sign < -0.7)  # only walls that face the end
+        & (width > config.corner)
+        & (width <= config.end_door_width)
+        & (beside < config.corner + 0.2)
+    )
+    return float(hit[good][np.argmin(width[good])]) if good.any() else None
+
+
+def _back_to_back(plane: MapPlane, other: MapPlane, config: RoomConfig) -> bool:
+    if float(plane.normal @ other.normal) > -0.97:
+        return False
+    along = other.ends() @ plane.tangent
+    middle = other.ends().mean(axis=0)
+    behind = -(float(plane.normal @ middle) + plane.offset)
+    return (
+        -0.03 < behind < config.leaf_thickness
+        and plane.distance_along(float(along.min()), float(along.max())) == 0.0
+    )
