@@ -16,7 +16,7 @@ import numpy as np
 
 from situgraph.matching.compiled import kernel
 from situgraph.matching.containment import room_allowed
-from situgraph.matching.explained import SLACK, Slack, give, may_explain, wrapped
+from situgraph.matching.explained import SLACK, Slack, may_explain, wrapped
 from situgraph.matching.lookup import find
 from situgraph.matching.pairing import add_option, pair_up
 from situgraph.matching.pointers import read
@@ -371,62 +371,3 @@ def _widen(case, r, low, high, u0, u1, v0, v1):
     spans.low[0, r], spans.high[0, r] = min(spans.low[0, r], low), max(spans.high[0, r], high)
     spans.low[1, r], spans.high[1, r] = min(spans.low[1, r], u0), max(spans.high[1, r], u1)
     spans.low[2, r], spans.high[2, r] = min(spans.low[2, r], v0), max(spans.high[2, r], v1)
-
-
-@kernel
-def represented(case, box, at):
-    """Whether all pairs of planes that can fit in the box fit at the placement ``at`` as well."""
-    seen, plan, limits, finder, task = (
-        read(case.seen),
-        read(case.plan),
-        read(case.limits),
-        read(case.finder),
-        read(case.task),
-    )
-    c, s = math.cos(box[YAW]), math.sin(box[YAW])
-    ca, sa = math.cos(at[0]), math.sin(at[0])
-    for r in range(len(seen.storey)):
-        storey = task.storeys[seen.storey[r]]
-        if storey < 0:
-            continue
-        found = find(
-            case,
-            r,
-            storey,
-            box[YAW],
-            box[TURN],
-            box[AX],
-            box[AY],
-            box[PX],
-            box[PY],
-            radius(box),
-            False,
-        )
-        if found < 0:
-            return False
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        gx, gy = cx - box[AX], cy - box[AY]
-        wx, wy = c * gx - s * gy, s * gx + c * gy
-        x, y = box[PX] + wx, box[PY] + wy
-        slack = slack_of(box, wx, wy)
-        tx, ty = at[1] + ca * cx - sa * cy, at[2] + sa * cx + ca * cy
-        for k in range(found):
-            a = finder.room[k]
-            if not room_allowed(case, r, a):
-                continue
-            if not may_explain(case, r, a, box[YAW], x, y, slack):
-                continue
-            for i in range(seen.first[r], seen.first[r + 1]):
-                for j in range(plan.first[a], plan.first[a + 1]):
-                    bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])
-                    if abs(bend) > limits.angle + box[TURN] + SLACK:
-                        continue
-                    nx, ny = plan.row[j, 0], plan.row[j, 1]
-                    off = abs(seen.distance[i] - (nx * x + ny * y + plan.row[j, 2]))
-                    if off > limits.fit + give(slack, nx, ny) + SLACK:
-                        continue
-                    there = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
-                    reach = abs(seen.distance[i] - (nx * tx + ny * ty + plan.row[j, 2]))
-                    if there > limits.angle + SLACK or reach > limits.fit + SLACK:
-                        return False
-    return True

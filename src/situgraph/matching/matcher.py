@@ -10,11 +10,11 @@ import numpy as np
 from situgraph.matching.compiled import announce_compilation
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import content_of, no_content
+from situgraph.matching.entries import find_peaks
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.posterior import judge, log_outside
 from situgraph.matching.reading import limits_of, plan_lines, raw_rooms, seen_table, storey_heights
 from situgraph.matching.result import MatchResult
-from situgraph.matching.search import find_peaks
 from situgraph.matching.solution import Inputs
 from situgraph.matching.storeys import storey_shifts
 from situgraph.scenegraph.graph import SceneGraph

@@ -13,9 +13,9 @@ import numpy as np
 from situgraph.geometry.poses import Placement
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Content
+from situgraph.matching.entries import view_at
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.posterior import Posterior
-from situgraph.matching.search import view_at
 from situgraph.matching.semantics import Evidence, SeenObjects, evidence, seen_objects
 from situgraph.matching.tables import FIT, MOVED, Floats, Ints, Limits, Seen
 from situgraph.matching.views import View
