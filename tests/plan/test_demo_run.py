@@ -36,8 +36,8 @@ def test_walls_alone_are_ambiguous_and_objects_locate_the_robot(demo: Demo) -> N
         assert (walls.semantics, walls.verdict) == ("none", "ambiguous")
         assert walls.right
         assert all(a.right for a in step.answers if a.verdict == "unique")
-    answers = [a for s in demo.steps for a in s.answers[1:]]
-    assert any(a.verdict == "unique" for a in answers)
+        assert (step.answers[2].semantics, step.answers[2].verdict) == ("likelihood", "unique")
+    assert (demo.shown, demo.shown_policy) == (1, "likelihood")
 
 
 def test_the_files_belong_together(demo: Demo, folder: Path) -> None:
