@@ -108,11 +108,13 @@ def explain(
     if (~possible.any(axis=1)).sum() > 1:
         return None
     possible &= problem.planes_allowed(r, a)
+    if (~possible.any(axis=1)).sum() > 1:
+        return None
     fits = possible & (np.abs(offset) <= c.fit_limit + slack)
     fit, moved = fit_term(problem, offset, angle), moved_term(problem, angle)
     likely = fit >= moved if c.continuous else fits
     terms = np.where(likely, fit, moved)
-    choices = np.array(assignments(possible))
+    choices = np.array(assignments(possible), dtype=int).reshape(-1, len(possible))
     # Column -1 stands for a missing plane.
     fitting = _column_added(fits, False)[np.arange(len(fits)), choices]
     scores = _column_added(terms, math.log(c.p_missing))[np.arange(len(terms)), choices].sum(axis=1)
