@@ -167,9 +167,11 @@ def base_pose(level: Array, height: float, view: View) -> Array:
 
 
 def _same(plane: MapPlane, other: MapPlane, config: SlamConfig) -> bool:
-    """Whether two planes of the map are one: same direction, same place, side by side."""
+    """Whether two planes of the map are one: same direction, same place, never seen apart."""
     c = config.map
-    if float(plane.normal @ other.normal) < math.cos(c.merge_angle):
+    if plane.seen_by & other.seen_by or float(plane.normal @ other.normal) < math.cos(
+        c.merge_angle
+    ):
         return False
     ends = other.ends()
     low, high = sorted((ends @ plane.tangent).tolist())

@@ -18,7 +18,8 @@ class MapPlane:
     """A wall face. ``plane`` (4,) n, d in the map, n into the room; of one ``storey``.
 
     ``parts`` are the pieces that widened it: keyframe and ends (2, 3) in base, so that they move
-    with the keyframes; ``intervals`` the covered stretches along ``tangent``, ascending. ``top``
+    with the keyframes; ``seen_by`` all keyframes that saw it; ``intervals`` the covered
+    stretches along ``tangent``, ascending. ``top``
     (m) is how high over the floor it was seen, ``visible`` how high it could have been seen.
     """
 
@@ -28,6 +29,7 @@ class MapPlane:
     parts: list[tuple[int, Array]] = field(default_factory=list)
     intervals: list[Interval] = field(default_factory=list)
     sightings: int = 0
+    seen_by: set[int] = field(default_factory=set)
     top: float = 0.0
     visible: float = 0.0
 
@@ -112,6 +114,7 @@ class PlaneMap:
         """
         plane = self.planes[number]
         plane.sightings += 1
+        plane.seen_by.add(keyframe)
         plane.top = max(plane.top, heights[0])
         plane.visible = max(plane.visible, heights[1])
         low, high = self._span(plane, ends, pose)
@@ -130,6 +133,7 @@ class PlaneMap:
         """Plane ``drop`` is plane ``keep``."""
         kept, gone = self.planes[keep], self.planes.pop(drop)
         kept.parts += gone.parts
+        kept.seen_by |= gone.seen_by
         kept.sightings += gone.sightings
         kept.top, kept.visible = max(kept.top, gone.top), max(kept.visible, gone.visible)
         self.place(keep, kept.plane, pose_of)
