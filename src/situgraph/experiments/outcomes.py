@@ -6,6 +6,7 @@ same as the definition says (docs/matching.md, section 5).
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -24,6 +25,7 @@ from situgraph.scenegraph.graph import SceneGraph
 
 OUTCOMES = ("right", "ambiguous", "none", "wrong")
 ROUNDS = 4  # least-squares steps from the true placement
+STEP, TURN = 0.1, math.radians(1)  # metres and radians about the true placement
 REACH = 20.0  # metres between the centres of rooms that may explain each other
 
 
@@ -57,13 +59,20 @@ class Judge:
     def admissible(self) -> bool:
         """Whether the truth is a candidate: the printed model holds at the true placement.
 
-        Checked with the definition as the brute force reads it, at the true placement and at those
-        that least squares reach from it: a bent map has no exact one.
+        Checked with the definition as the brute force reads it, at the true placement and about it,
+        and where least squares lead from there: a bent map has no exact place.
         """
         if self._true is None:
             return False
-        starts = [self._truth.placement, self._truth.start, *self._truth.room_placements.values()]
-        return any(self._feasible_from(motion_of(self._problem, start)) for start in starts)
+        known = (self._truth.placement, self._truth.start, *self._truth.room_placements.values())
+        starts = [motion_of(self._problem, start) for start in known]
+        starts += [
+            Motion(self._true.yaw + turn, self._true.point + (x, y), self._true.z)
+            for turn in (0.0, -TURN, TURN)
+            for x in (0.0, -STEP, STEP)
+            for y in (0.0, -STEP, STEP)
+        ]
+        return any(self._feasible_from(start) for start in starts)
 
     def _feasible_from(self, motion: Motion) -> bool:
         problem = self._problem

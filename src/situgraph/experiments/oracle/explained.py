@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,8 @@ from situgraph.experiments.oracle.problem import Flags, Problem
 from situgraph.geometry.poses import Array, rotation2, wrap_angle
 
 SLACK = 1e-9  # equality at a limit, in metres and radians
+FEW = 5_000  # assignments of a room's planes that are all tried
+IMPOSSIBLE = 1e9
 FIT, MOVED, MISSING = "fit", "moved", "missing"
 
 
@@ -114,14 +117,14 @@ def explain(
     fit, moved = fit_term(problem, offset, angle), moved_term(problem, angle)
     likely = fit >= moved if c.continuous else fits
     terms = np.where(likely, fit, moved)
-    choices = np.array(assignments(possible), dtype=int).reshape(-1, len(possible))
-    # Column -1 stands for a missing plane.
-    fitting = _column_added(fits, False)[np.arange(len(fits)), choices]
-    scores = _column_added(terms, math.log(c.p_missing))[np.arange(len(terms)), choices].sum(axis=1)
-    scores[~_explains(fitting, mine.not_parallel(c.parallel_sine))] = -math.inf
-    best = int(np.argmax(scores)) if len(scores) else -1
-    if best < 0 or scores[best] == -math.inf:
+    crossed = mine.not_parallel(c.parallel_sine)
+    if math.prod((possible.sum(axis=1) + 1).tolist()) <= FEW:
+        found = _best_of_all(possible, fits, terms, crossed, math.log(c.p_missing))
+    else:
+        found = _best_of_many(possible, fits, terms, crossed, math.log(c.p_missing))
+    if found is None:
         return None
+    score, choice = found
     planes = tuple(
         PlanePair(i, None, MISSING)
         if j < 0
@@ -133,9 +136,79 @@ def explain(
             float(angle[i, j]),
             float(offset[i, j]),
         )
-        for i, j in enumerate(choices[best].tolist())
+        for i, j in enumerate(choice)
     )
-    return RoomPair(r, a, planes, float(scores[best]))
+    return RoomPair(r, a, planes, score)
+
+
+def _best_of_all(
+    possible: Flags, fits: Flags, terms: Array, crossed: Flags, missing: float
+) -> tuple[float, list[int]] | None:
+    """The best assignment that explains, all of them tried."""
+    choices = np.array(assignments(possible), dtype=int).reshape(-1, len(possible))
+    # Column -1 stands for a missing plane.
+    fitting = _column_added(fits, False)[np.arange(len(fits)), choices]
+    scores = _column_added(terms, missing)[np.arange(len(terms)), choices].sum(axis=1)
+    scores[~_explains(fitting, crossed)] = -math.inf
+    best = int(np.argmax(scores)) if len(scores) else -1
+    if best < 0 or scores[best] == -math.inf:
+        return None
+    return float(scores[best]), choices[best].tolist()
+
+
+def _best_of_many(
+    possible: Flags, fits: Flags, terms: Array, crossed: Flags, missing: float
+) -> tuple[float, list[int]] | None:
+    """The same for rooms of many walls: linear assignments, with each wall missing in turn.
+
+    Of each the best assignment is tried first, then, should it lack two walls that fit and cross,
+    the best with any two such walls held.
+    """
+    everyone = len(possible) == 2 or not crossed.any()
+    best: tuple[float, list[int]] | None = None
+    for gone in [None] if everyone else [None, *range(len(possible))]:
+        pool = fits if everyone else possible
+        found = _assigned(pool, terms, missing, gone, ())
+        if found is None or (best is not None and found[0] <= best[0]):
+            continue
+        fit = np.array([[j >= 0 and bool(fits[i, j]) for i, j in enumerate(found[1])]])
+        tried = [found] if bool(_explains(fit, crossed)[0]) else None
+        held = (_assigned(pool, terms, missing, gone, h) for h in _holds(fits, crossed))
+        for better in tried or held:
+            if better is not None and (best is None or better[0] > best[0]):
+                best = better
+    return best
+
+
+def _holds(fits: Flags, crossed: Flags) -> Iterator[tuple[tuple[int, int], ...]]:
+    """Every two plane pairs that fit and cross."""
+    pairs = np.argwhere(fits).tolist()
+    for n, (i, j) in enumerate(pairs):
+        for k, m in pairs[n + 1 :]:
+            if crossed[i, k] and j != m:
+                yield ((i, j), (k, m))
+
+
+def _assigned(
+    pool: Flags, terms: Array, missing: float, gone: int | None, held: tuple[tuple[int, int], ...]
+) -> tuple[float, list[int]] | None:
+    """The best assignment of all rows but ``gone``, with some pairs given."""
+    value = np.where(pool, terms, -IMPOSSIBLE)
+    for i, j in held:
+        keep = value[i, j]
+        value[i, :] = value[:, j] = -IMPOSSIBLE
+        value[i, j] = keep
+    rows = [i for i in range(len(pool)) if i != gone]
+    if len(rows) > pool.shape[1]:
+        return None
+    at, columns = linear_sum_assignment(-value[rows])
+    total = float(value[rows][at, columns].sum())
+    if total < -IMPOSSIBLE / 2:
+        return None
+    choice = [-1] * len(pool)
+    for n, j in zip(at, columns):
+        choice[rows[n]] = int(j)
+    return total + (missing if gone is not None else 0.0), choice
 
 
 def _column_added(values: NDArray[Any], last: object) -> NDArray[Any]:
