@@ -40,10 +40,10 @@ class OdometryConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     ] = 10
     reach: Annotated[
         float, _meta("Points farther apart are no partners", "m", "small_gicp", gt=0)
-    ] = 1.0
+    ] = 0.5
     near_reach: Annotated[
         float, _meta("... in the second half of the iterations", "m", "docs/slam.md", gt=0)
-    ] = 0.3
+    ] = 0.2
     wide_reach: Annotated[
         float,
         _meta("The same in a second try, after lost scans", "m", "2 s at walking speed", gt=0),

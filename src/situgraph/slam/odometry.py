@@ -90,8 +90,8 @@ class Gicp:
 
     def _closing_in(self, cloud: Any, guess: Array, reach: float) -> Step:
         """Align with partners up to ``reach`` apart, then with near ones only."""
-        rough, _ = self._align(cloud, guess, reach)
-        pose, fit = self._align(cloud, rough, self._config.near_reach)
+        rough, fit = self._align(cloud, guess, reach)
+        pose, _ = self._align(cloud, rough, self._config.near_reach)
         length, angle = size(inverse(guess) @ pose)
         trusted = (
             fit >= self._config.least_fit

@@ -25,6 +25,7 @@ from situgraph.slam.rooms import Reason, RoomBook
 from situgraph.slam.scene import scene_graph
 from situgraph.slam.storeys import BETWEEN, Storeys
 from situgraph.slam.surroundings import Surroundings
+from situgraph.slam.trajectory import trajectory
 
 
 class Slam:
@@ -130,10 +131,7 @@ class Slam:
 
     def trajectory(self) -> tuple[Array, Array]:
         """Stamps (n,) and poses (n, 7) of base in the map, one a scan."""
-        poses = self.graph.poses([k.number for k in self.keyframes])
-        stamps = np.array([stamp for stamp, _, _ in self._path])
-        matrices = np.array([poses[k] @ m for _, k, m in self._path]).reshape(-1, 4, 4)
-        return stamps, matrix_to_pose(matrices) if len(matrices) else np.empty((0, 7))
+        return trajectory(self._path, self.keyframes, self.graph)
 
     def refresh(self) -> None:
         """Let every plane and room follow the graph, also those far from the robot."""
