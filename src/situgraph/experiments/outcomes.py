@@ -67,7 +67,7 @@ class Judge:
         known = (self._truth.placement, self._truth.start, *self._truth.room_placements.values())
         starts = [motion_of(self._problem, start) for start in known]
         starts += [
-            Motion(self._true.yaw + turn, self._true.point + np.array([x, y]), self._true.z)  # noqa: RUF005
+            Motion(self._true.yaw + turn, self._true.point + np.array([x, y]), self._true.z)
             for turn in (0.0, -TURN, TURN)
             for x in (0.0, -STEP, STEP)
             for y in (0.0, -STEP, STEP)
