@@ -56,11 +56,12 @@ class Judge:
                 return rank
         return None
 
-    def admissible(self) -> bool:
+    def admissible(self, *results: MatchResult) -> bool:
         """Whether the truth is a candidate: the printed model holds at the true placement.
 
         Checked with the definition as the brute force reads it, at the true placement and about it,
-        and where least squares lead from there: a bent map has no exact place.
+        where least squares lead from there (a bent map has no exact place), and where one of the
+        ``results`` puts it.
         """
         if self._true is None:
             return False
@@ -72,6 +73,8 @@ class Judge:
             for x in (0.0, -STEP, STEP)
             for y in (0.0, -STEP, STEP)
         ]
+        told = (s.transform for r in results for s in r.solutions if self.is_true(s.transform))
+        starts += [motion_of(self._problem, placement) for placement in told]
         return any(self._feasible_from(start) for start in starts)
 
     def _feasible_from(self, motion: Motion) -> bool:

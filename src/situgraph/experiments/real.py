@@ -151,7 +151,7 @@ def _solve_model(task: Mapping[str, Any]) -> dict[str, Any]:
         judge = Judge(sample, prior, task["semantics"])
         outcomes.append({
             "seed": task["seed"] + number, "outcome": judge.outcome(result),
-            "admissible": judge.admissible(), "solutions": result.count,
+            "admissible": judge.admissible(result), "solutions": result.count,
         })  # fmt: skip
     covered = [o for o in outcomes if o["admissible"]]
     return {

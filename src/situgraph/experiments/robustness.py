@@ -133,7 +133,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
         "seen": seen,
         "rooms": result.stats["rooms_online"],
         "outcome": judge.outcome(result),
-        "admissible": judge.admissible(),
+        "admissible": judge.admissible(result, listed),
         "candidate": judge.true_rank(listed) is not None,
         "solution": judge.true_rank(result) is not None,
         "solutions": result.count,
