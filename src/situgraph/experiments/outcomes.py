@@ -77,6 +77,26 @@ class Judge:
         starts += [motion_of(self._problem, placement) for placement in told]
         return any(self._feasible_from(start) for start in starts)
 
+    def contained(self) -> bool:
+        """Whether every true pair of rooms and of planes passes the paper's containment filter."""
+        strict = Problem(
+            self._problem.online, self._problem.prior, "containment", self._problem.constants
+        )
+        rows = {s.room.id: r for r, s in enumerate(strict.seen)}
+        columns = {s.room.id: a for a, s in enumerate(strict.planned)}
+        for mine, theirs in self._truth.rooms.items():
+            r, a = rows.get(mine), columns.get(theirs)
+            if r is None or a is None:
+                continue
+            one, two = strict.seen[r].planes, strict.planned[a].planes
+            true = [(one.index(p), self._truth.planes.get(p)) for p in one]
+            allowed = strict.planes_allowed(r, a)
+            if not strict.room_allowed(r, a) or not all(
+                allowed[i, two.index(q)] for i, q in true if q in two
+            ):
+                return False
+        return True
+
     def _feasible_from(self, motion: Motion) -> bool:
         problem = self._problem
         assert self._true is not None

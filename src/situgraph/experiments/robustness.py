@@ -136,6 +136,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
         "admissible": judge.admissible(result, listed),
         "candidate": judge.true_rank(listed) is not None,
         "solution": judge.true_rank(result) is not None,
+        "contained": judge.contained(),
         "solutions": result.count,
         "complete": listed.complete,
     }
@@ -154,6 +155,7 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
             "truth_among_candidates": _share(covered, "candidate"),
             "truth_among_solutions": _share(covered, "solution"),
             "truth_survives": _share(mine, "solution"),
+            "all_pairs_contained": _share(mine, "contained"),
         }
     return summary
 
