@@ -104,7 +104,9 @@ class Slam:
             scan = moved(cleaned.points, self._lidar)
             if times is not None:
                 scan = deskew(scan, np.asarray(times)[cleaned.kept], motion, seconds)
-            step = self._odometry.register(scan, self._expected_pose(stamp, motion))
+            step = self._odometry.register(
+                scan, self._lidar[:3, 3], self._expected_pose(stamp, motion)
+            )
         if not step.trusted:
             self._trusted = False
             self._notices.add(
