@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import numba
 
 from situgraph import __version__
+from situgraph.matching.parts import PartCompiler
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -49,22 +50,24 @@ def _sources_key() -> str:
 
 
 def kernel(function: F) -> F:
-    """Compile a function for other kernels, on its first use, without the GIL.
-
-    And keep the result.
-    """
-    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    """Compile a function for other kernels, as a part of the entries that use it (``parts``)."""
+    return _compiled(
+        function,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        pipeline_class=PartCompiler,
+    )
 
 
 def entry(function: F) -> F:
-    """The same for a function that is called from Python."""
-    return _compiled(function)
-
-
-def _compiled(function: F, **options: bool) -> F:
+    """Compile a function that is called from Python, with all it calls, and keep the result."""
     with _kept_in(_FOLDER) as cache:
-        made: F = numba.njit(cache=cache, nogil=True, error_model="numpy", **options)(function)
-        return made
+        return _compiled(function, cache=cache, no_cfunc_wrapper=True)
+
+
+def _compiled(function: F, **options: Any) -> F:
+    made: F = numba.njit(nogil=True, error_model="numpy", **options)(function)
+    return made
 
 
 def announce_compilation(entry: Any) -> None:
