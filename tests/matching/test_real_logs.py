@@ -5,17 +5,20 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from situgraph.geometry.poses import Placement
 from situgraph.io.g2o import read_g2o
 from situgraph.matching import PlanIndex
 from situgraph.matching.matcher import match
+from situgraph.plan.layout_changes import mirrored
 from situgraph.scenegraph.graph import SceneGraph
 from situgraph.scenegraph.transform import transformed
 
 SEEN = ("R3", "R4", "R5", "R6", "R7", "R8", "RAll")
 PLANS = ("T0", "T1", "T2", "T3", "T4", "T5")
+FRAMES = 20  # random ones of each pair
 FOREIGN = ("R3", "R4", "R5", "R7", "R8")  # their FIXed part is another building
 
 pytestmark = pytest.mark.external
@@ -33,9 +36,8 @@ def seen(shared_data: Path) -> dict[str, SceneGraph]:
     return {r: read_g2o(folder / r / "graph.g2o", "free") for r in SEEN}
 
 
-def is_right(found: Placement, moved: Placement = Placement()) -> bool:
-    """Whether a placement, of a graph moved before, is the true one."""
-    at = found.compose(moved)
+def is_right(at: Placement) -> bool:
+    """Whether a placement is the true one."""
     turned = abs(math.remainder(at.yaw, 2 * math.pi))
     return abs(at.x - 2.48) < 0.3 and abs(at.y) < 0.3 and turned < math.radians(5)
 
@@ -50,16 +52,30 @@ def test_the_truth_is_a_solution_and_nothing_else_is_unique(
     assert not result.unique or is_right(result.best.transform)  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize("plan", PLANS)
 @pytest.mark.parametrize("name", SEEN)
 def test_the_answer_does_not_depend_on_the_frame(
-    seen: dict[str, SceneGraph], plans: dict[str, PlanIndex], name: str
+    seen: dict[str, SceneGraph], plans: dict[str, PlanIndex], name: str, plan: str
 ) -> None:
-    straight = match(seen[name], plans["T1"])
-    for k in range(4):
-        motion = Placement(7.0 * k - 11.0, 31.0 - 5.0 * k, 0.0, 0.4 + 1.3 * k)
-        turned = match(transformed(seen[name], motion), plans["T1"])
+    straight = match(seen[name], plans[plan])
+    rng = np.random.default_rng([SEEN.index(name), PLANS.index(plan)])
+    for _ in range(FRAMES):
+        x, y, z = rng.uniform(-30.0, 30.0, 3)
+        motion = Placement(x, y, z, rng.uniform(-math.pi, math.pi))
+        turned = match(transformed(seen[name], motion), plans[plan])
         assert (turned.verdict, turned.count) == (straight.verdict, straight.count)
-        assert any(is_right(s.transform, motion) for s in turned.solutions)
+        for one, two in zip(straight.solutions, turned.solutions):
+            assert one.rooms == two.rooms
+            assert one.probability == pytest.approx(two.probability, abs=1e-6)
+
+
+@pytest.mark.parametrize("plan", PLANS)
+@pytest.mark.parametrize("name", SEEN)
+def test_a_mirrored_plan_is_never_unique(
+    seen: dict[str, SceneGraph], plans: dict[str, PlanIndex], name: str, plan: str
+) -> None:
+    result = match(seen[name], mirrored(plans[plan].prior))
+    assert not result.unique
 
 
 def test_a_half_turned_rival_keeps_the_verdict_open(

@@ -16,8 +16,9 @@ from situgraph.matching import MatchingConfig, MatchResult, PlanIndex, match
 from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
+from situgraph.plan.sample_truth import OnlineSample
 from situgraph.plan.sampler import sample_online
-from situgraph.plan.sampler_config import CLEAN, REALISTIC, DetectionRates, SamplerConfig
+from situgraph.plan.sampler_config import REALISTIC, DetectionRates, SamplerConfig
 from situgraph.scenegraph.graph import SceneGraph
 
 # The errors the model of the matcher covers, and errors well beyond it.
@@ -119,15 +120,27 @@ def solve_cross(task: Mapping[str, Any]) -> dict[str, Any]:
         **task,
         "outcome": result.verdict,
         "probability_outside": result.probability_outside,
-        "congruent": _congruent(task, building, index),
+        "congruent": congruent(sample, building, index),
     }
 
 
-def _congruent(task: Mapping[str, Any], building: SceneGraph, index: PlanIndex) -> bool:
-    """Whether the walls seen, if seen without error, are part of the plan all the same."""
-    exact = sample_online(building, task["seen"], task["seed"], CLEAN).online
+def congruent(sample: OnlineSample, building: SceneGraph, index: PlanIndex) -> bool:
+    """Whether the walls that were seen, as planned and without error, are part of the plan."""
+    exact = _as_planned(sample, building)
     found = match(exact, index, semantics="none", config=EXACT).solutions
-    return any(len(s.planes) == len(exact.planes) for s in found)
+    seen = {p for room in exact.rooms for p in room.planes}
+    return any(len(s.planes) == len(seen) for s in found)
+
+
+def _as_planned(sample: OnlineSample, building: SceneGraph) -> SceneGraph:
+    """The rooms of the building that were seen, each with the walls that were seen of it."""
+    truth, rooms = sample.truth, []
+    for mine, theirs in truth.rooms.items():
+        planned = building.room_by_id[theirs]
+        seen = {truth.planes.get(p) for p in sample.online.room_by_id[mine].planes}
+        walls = tuple(p for p in planned.planes if p in seen)
+        rooms.append(msgspec.structs.replace(planned, planes=walls))
+    return building.replace(rooms=tuple(rooms), objects=())
 
 
 def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:

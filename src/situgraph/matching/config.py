@@ -101,6 +101,7 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     outside_prior: Annotated[
         float, _meta("The robot is not in this plan", "1", _DESIGN, gt=0, lt=1)
     ] = 0.01
+    mirror_prior: Annotated[float, _meta("The plan is mirrored", "1", _MODEL, ge=0, lt=1)] = 0.001
     plan_margin: Annotated[
         float, _meta("The plan reaches this far beyond its room centres", "m", _MODEL, gt=0)
     ] = 5.0

@@ -126,16 +126,27 @@ def _find_peaks(seen, plan, limits, content, task, room, shifts):
 
 
 @entry
-def view_at(seen, plan, limits, content, storeys, yaw, x, y):
-    """What is explained when the mean room centre goes to ``(x, y)``, strictly."""
-    task = Task(0, storeys)
-    room = new_room(seen, plan)
-    _view_at(seen, plan, limits, content, task, room, yaw, x, y)
-    return room.one
+def views_at(seen, plan, limits, content, mapping, shift, at):
+    """What is explained when the mean room centre goes to ``at`` (k, 3): yaw, x, y; strictly.
+
+    Storeys are shifted by the rows ``shift`` (k,) of ``mapping``. Returns ``View``'s fields, a
+    placement a row.
+    """
+    task = Task(0, np.empty(mapping.shape[1], dtype=np.int64))
+    rooms, rows = len(seen.storey), len(seen.angle)
+    views = View(
+        np.empty((len(at), rooms), dtype=np.int64),
+        np.empty((len(at), rows), dtype=np.int64),
+        np.empty((len(at), rows), dtype=np.int64),
+        np.empty((len(at), rows)),
+        np.empty((len(at), rows)),
+    )
+    _views_at(seen, plan, limits, content, task, new_room(seen, plan), mapping, shift, at, views)
+    return views
 
 
 @kernel
-def _view_at(seen, plan, limits, content, task, room, yaw, x, y):
+def _views_at(seen, plan, limits, content, task, room, mapping, shift, at, views):
     case = Case(
         pointer(seen),
         pointer(plan),
@@ -150,4 +161,14 @@ def _view_at(seen, plan, limits, content, task, room, yaw, x, y):
         pointer(room.one),
         pointer(room.two),
     )
-    look(case, case.one, yaw, x, y, 0.0, 0.0)
+    for k in range(len(at)):
+        for u in range(mapping.shape[1]):
+            task.storeys[u] = mapping[shift[k], u]
+        look(case, case.one, at[k, 0], at[k, 1], at[k, 2], 0.0, 0.0)
+        for r in range(len(seen.storey)):
+            views.room[k, r] = room.one.room[r]
+        for i in range(len(seen.angle)):
+            views.row[k, i] = room.one.row[i]
+            views.state[k, i] = room.one.state[i]
+            views.offset[k, i] = room.one.offset[i]
+            views.bend[k, i] = room.one.bend[i]

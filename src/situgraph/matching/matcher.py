@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Literal
 
 import numpy as np
 
+from situgraph.matching.candidates import find
 from situgraph.matching.compiled import announce_compilation
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.containment import content_of, no_content
 from situgraph.matching.entries import find_peaks
 from situgraph.matching.index import PlanIndex
+from situgraph.matching.mirror import log_mirror
 from situgraph.matching.posterior import judge, log_outside
-from situgraph.matching.reading import limits_of, plan_lines, raw_rooms, seen_table, storey_heights
-from situgraph.matching.result import MatchResult
-from situgraph.matching.solution import Inputs
-from situgraph.matching.storeys import storey_shifts
+from situgraph.matching.preparation import prepare
+from situgraph.matching.result import Found, MatchResult
 from situgraph.scenegraph.graph import SceneGraph
 
 Semantics = Literal["none", "containment", "likelihood"]
@@ -47,42 +47,20 @@ def match(
     if isinstance(index, SceneGraph):
         index = PlanIndex(index, config)
     settings = config or index.config
-    limits = limits_of(settings)
     announce_compilation(find_peaks)
-    centers, planes, names, counts = raw_rooms(online)
-    kept, first, normal, distance, source = plan_lines(
-        centers, planes, names, counts, settings.usable_tilt
-    )
-    heights, storeys = np.unique(storey_heights(online)[kept], return_inverse=True)
-    every = np.zeros(len(counts), dtype=np.int64)
-    every[kept] = storeys
-    seen, middle = seen_table(centers, kept, first, normal, distance, source, every, limits)
-    shifts, mapping = storey_shifts(heights, index.elevations, settings.storey_tolerance)
-    content = no_content()
-    if semantics == "containment":
-        room_ids = [online.rooms[k].id for k in kept]
-        row_ids = [online.planes[k].id for k in source]
-        content = content_of(online, index.stock, room_ids, row_ids)
-    least = settings.least_rooms(len(kept))
+    inputs = prepare(online, index, semantics, settings)
     searched = time.perf_counter()
-    if len(kept) and index.rooms:
-        peaks, alike, done = find_peaks(seen, index.table, limits, content, mapping, least)
-    else:
-        peaks, alike, done = (
-            np.empty((0, 5)),
-            np.zeros(len(kept), dtype=np.int64),
-            np.zeros(4, dtype=np.int64),
-        )
-    shift = peaks[:, 0].astype(np.int64)
-    peaks[:, 0] = shifts[shift] if len(shift) else 0.0
-    outside = log_outside(alike, seen.shape, index.rooms, settings)
-    inputs = Inputs(
-        online, index, settings, semantics, kept, source, seen, middle, content, mapping, limits
-    )
-    if semantics == "likelihood":
-        for k in range(len(peaks)):
-            yaw, x, y = peaks[k, 1:4].tolist()
-            peaks[k, 4] += inputs.evidence(int(shift[k]), yaw, x, y).value
-    posterior = judge(peaks, shift, outside, index.area, settings)
+    peaks = find(inputs, inputs.least)
+    outside = log_outside(peaks.alike, inputs.seen.shape, index.rooms, settings)
+    filtered = semantics == "containment"
+    posterior = judge(peaks.place, peaks.shift, outside, index.area, settings, filtered=filtered)
+    mirror, complete = -math.inf, not peaks.done[3]
+    if posterior.verdict == "unique" and not filtered:
+        mirror, whole = log_mirror(inputs, posterior)
+        complete = complete and whole
+    if mirror > -math.inf:
+        elsewhere = float(np.logaddexp(outside, mirror))
+        posterior = judge(peaks.place, peaks.shift, elsewhere, index.area, settings)
     end = time.perf_counter()
-    return MatchResult(inputs, posterior, alike, done, (end - searched, end - begin))
+    found = Found(posterior, peaks.alike, peaks.done, complete, mirror - posterior.total)
+    return MatchResult(inputs, found, (end - searched, end - begin))

@@ -26,6 +26,7 @@ class Posterior(NamedTuple):
     solutions: int
     outside: float
     verdict: Verdict
+    total: float  # ln of the sum of all weights
 
 
 @entry
@@ -60,23 +61,40 @@ def log_outside(alike: Ints, shape: Floats, prior_rooms: int, config: MatchingCo
     return math.log(config.outside_prior) + float(np.log1p(share * gain).sum())
 
 
+def log_spread(area: float, config: MatchingConfig) -> float:
+    """Ln of the share of all placements that one candidate stands for: four yaws times the area."""
+    return math.log(2 * math.pi * config.plane_sigma**2 / (4 * area))
+
+
 def judge(
-    peaks: Floats, shift: Ints, outside: float, area: float, config: MatchingConfig
+    peaks: Floats,
+    shift: Ints,
+    outside: float,
+    area: float,
+    config: MatchingConfig,
+    *,
+    filtered: bool = False,
 ) -> Posterior:
-    """Weigh the peaks (height, yaw, x, y, L) against each other and against 'not in this plan'."""
+    """Weigh the peaks (height, yaw, x, y, L) against each other and against 'not in this plan'.
+
+    ``filtered``: objects have filtered the candidates (policy ``containment``); the best need not
+    be sure against ``outside`` then, which knows nothing of the filter.
+    """
     order = np.lexsort((peaks[:, 3], peaks[:, 2], peaks[:, 1], peaks[:, 0], -peaks[:, 4].round(9)))
     order = order[distinct(peaks[order], config.same_distance, config.same_yaw, config.same_height)]
     candidate = peaks[order]
-    spread = 2 * math.pi * config.plane_sigma**2 / (4 * area)
-    weight = candidate[:, 4] + math.log(1 - config.outside_prior) + math.log(spread)
+    weight = candidate[:, 4] + math.log(1 - config.outside_prior) + log_spread(area, config)
     top = max(outside, float(weight[0])) if len(weight) else outside
     share = np.exp(weight - top)
-    away = math.exp(outside - top)
-    total = float(share.sum()) + away
+    away, inside = math.exp(outside - top), float(share.sum())
+    total = inside + away
     probability = share / total
-    if not len(weight) or away > float(share.sum()):
-        return Posterior(candidate, shift[order], probability, 0, away / total, "none")
-    solutions = int((share >= config.rival_ratio * share[0]).sum())
-    unique = solutions == 1 and probability[0] >= config.unique_probability
-    verdict: Verdict = "unique" if unique else "ambiguous"
-    return Posterior(candidate, shift[order], probability, solutions, away / total, verdict)
+    verdict: Verdict = "none"
+    solutions = 0
+    if len(weight) and away <= inside:
+        solutions = int((share >= config.rival_ratio * share[0]).sum())
+        rivals = inside if filtered else total
+        unique = solutions == 1 and share[0] >= config.unique_probability * rivals
+        verdict = "unique" if unique else "ambiguous"
+    sums = (away / total, verdict, top + math.log(total))
+    return Posterior(candidate, shift[order], probability, solutions, *sums)

@@ -28,6 +28,11 @@ def _none(result: MatchResult) -> str:
         tried = result.stats["hypotheses"]
         return f"no placement explains at least {least} of {rooms} rooms ({tried} tried)"
     outside = f"{100 * result.probability_outside:.3g} %"
+    if result.probability_mirrored > result.probability_outside / 2:
+        return (
+            f"{_placements(candidates)} at least {least} of {rooms} rooms, but their mirror image "
+            f"fits the plan better: the plan is mirrored, or not this one ({outside})"
+        )
     return (
         f"{_placements(candidates)} at least {least} of {rooms} rooms, but rooms like these fit by "
         f"chance: not in this plan is the most probable ({outside})"
@@ -51,6 +56,12 @@ def _ambiguous(result: MatchResult) -> str:
     if result.count == 1:
         if not result.complete:
             return f"one placement explains {_share(best, result)}, but the search was cut short"
+        mirror = result.probability_mirrored
+        if mirror > result.probability_outside / 2:
+            return (
+                f"one placement explains {_share(best, result)}, but the mirror image of what was "
+                f"seen fits the plan better: the plan may be mirrored ({100 * mirror:.3g} %)"
+            )
         outside = f"{100 * result.probability_outside:.3g} %"
         return (
             f"one placement explains {_share(best, result)} with probability {chance}, which is "

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from situgraph.matching.posterior import Posterior, Verdict
-from situgraph.matching.solution import Inputs, Solution
+from situgraph.matching.preparation import Inputs
+from situgraph.matching.solution import Solution
 from situgraph.matching.stages import plane_candidates, room_candidates
 from situgraph.matching.tables import Ints
+
+
+class Found(NamedTuple):
+    """What a search found, and how it was judged."""
+
+    posterior: Posterior
+    alike: Ints  # (N,) how many prior rooms explain each online room in isolation
+    done: Ints  # (4,) peaks, hypotheses, boxes, incomplete
+    complete: bool
+    log_mirror: float  # of the probability that the plan is mirrored; -inf when it is of no account
 
 
 class MatchResult:
@@ -18,26 +29,20 @@ class MatchResult:
     Attributes:
         verdict: ``unique``, ``ambiguous`` or ``none``.
         certified: unique, by a complete search, under a policy that has an error model.
-        probability_outside: the probability that the robot is not in this plan.
+        probability_outside: the probability that the robot is not in this plan, mirrored plans
+            included.
+        complete: whether nothing was left out of the search.
     """
 
-    def __init__(
-        self,
-        inputs: Inputs,
-        posterior: Posterior,
-        alike: Ints,
-        done: Ints,
-        seconds: tuple[float, float],
-    ) -> None:
-        """Keep what the search found; ``done`` are peaks, hypotheses, boxes, incomplete."""
+    def __init__(self, inputs: Inputs, found: Found, seconds: tuple[float, float]) -> None:
+        """Keep what the search found; ``seconds``: of the search, and of all."""
         self._inputs = inputs
-        self._posterior = posterior
-        self._alike = alike
-        self._done = done
+        self._found = found
+        self._posterior = found.posterior
         self._seconds = seconds
-        self.verdict: Verdict = posterior.verdict
-        self.probability_outside = posterior.outside
-        self.complete = not done[3]
+        self.verdict: Verdict = found.posterior.verdict
+        self.probability_outside = found.posterior.outside
+        self.complete = found.complete
         if self.verdict == "unique" and not self.complete:
             self.verdict = "ambiguous"
 
@@ -74,6 +79,14 @@ class MatchResult:
         return Solution(self._inputs, self._posterior, rank)
 
     @property
+    def probability_mirrored(self) -> float:
+        """The part of ``probability_outside`` that is 'the plan is mirrored'.
+
+        0 where it could not have changed the verdict and was not worked out.
+        """
+        return math.exp(self._found.log_mirror)
+
+    @property
     def figures(self) -> tuple[int, int, int]:
         """K, the online rooms that count, the prior rooms that count."""
         inputs = self._inputs
@@ -107,11 +120,6 @@ class MatchResult:
         """Observations that would split the solutions, the most telling first."""
         return []
 
-    def _places(self) -> list[tuple[int, float, float, float]]:
-        """The candidates as (shift, yaw, x, y)."""
-        found = zip(self._posterior.shift.tolist(), self._posterior.candidate[:, 1:4].tolist())
-        return [(shift, yaw, x, y) for shift, (yaw, x, y) in found]
-
     @cached_property
     def stats(self) -> dict[str, Any]:
         """Counts and times of the search, as in the match JSON."""
@@ -121,13 +129,16 @@ class MatchResult:
             "rooms_online": len(inputs.kept),
             "rooms_prior": inputs.index.rooms,
             "semantics": inputs.semantics,
-            "room_candidates": room_candidates(inputs, self._alike),
-            "plane_candidates": plane_candidates(inputs, self._places()),
-            "hypotheses": int(self._done[1]),
-            "boxes": int(self._done[2]),
+            "room_candidates": room_candidates(inputs, self._found.alike),
+            "plane_candidates": plane_candidates(
+                inputs, self._posterior.shift, self._posterior.candidate[:, 1:4]
+            ),
+            "hypotheses": int(self._found.done[1]),
+            "boxes": int(self._found.done[2]),
             "candidates": len(self._posterior.candidate),
             "seconds": {"index": inputs.index.seconds, "search": search, "total": total},
             "complete": self.complete,
+            "probability_mirrored": self.probability_mirrored,
             "model": self.model,
         }
 

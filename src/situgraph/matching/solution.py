@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -11,55 +10,13 @@ import msgspec
 import numpy as np
 
 from situgraph.geometry.poses import Placement
-from situgraph.matching.config import MatchingConfig
-from situgraph.matching.containment import Content
-from situgraph.matching.entries import view_at
-from situgraph.matching.index import PlanIndex
 from situgraph.matching.posterior import Posterior
-from situgraph.matching.semantics import Evidence, SeenObjects, evidence, seen_objects
-from situgraph.matching.tables import FIT, MOVED, Floats, Ints, Limits, Seen
+from situgraph.matching.preparation import Inputs
+from situgraph.matching.tables import FIT, MOVED, Floats
 from situgraph.matching.views import View
-from situgraph.scenegraph.graph import SceneGraph
 
 LEAST_DEPTH = 0.3  # metres; how far inside a room a centre must lie to be covered by it
 LEAST_DEVIATION = 0.1  # metres; smaller ones are not worth telling (DESIGN section 3)
-
-
-@dataclass(frozen=True, eq=False)
-class Inputs:
-    """What was matched."""
-
-    online: SceneGraph
-    index: PlanIndex
-    config: MatchingConfig
-    semantics: str
-    kept: Ints  # the online rooms that count
-    source: Ints  # the online plane of each row
-    seen: Seen
-    middle: Floats  # the mean of the room centres, map frame
-    content: Content
-    mapping: Ints  # prior storey of each online storey, by shift
-    limits: Limits
-
-    @cached_property
-    def _objects(self) -> SeenObjects:
-        planned = self.index.objects
-        return seen_objects(self.online, self.kept, self.source, self.middle, planned)
-
-    def view(self, shift: int, yaw: float, x: float, y: float) -> View:
-        """What is explained at a placement."""
-        storeys = self.mapping[shift]
-        tables = (self.seen, self.index.table, self.limits, self.content)
-        view: View = view_at(*tables, storeys, yaw, x, y)
-        return view
-
-    def evidence(self, shift: int, yaw: float, x: float, y: float) -> Evidence:
-        """What the objects say of a placement."""
-        planned, prior_plane = self.index.objects, self.index.source
-        if not planned.share or not self.online.objects:
-            return Evidence(0.0, {})
-        view = self.view(shift, yaw, x, y)
-        return evidence(self._objects, planned, view, prior_plane, (yaw, x, y), self.config)
 
 
 class Deviation(msgspec.Struct, frozen=True):
@@ -101,9 +58,14 @@ class Solution:
         self.transform = Placement(x + ox - c * mx + s * my, y + oy - s * mx - c * my, z, yaw)
 
     @cached_property
+    def _views(self) -> View:
+        shift = np.array([self._shift])
+        return self._inputs.views(shift, np.array([self._at]))
+
+    @cached_property
     def view(self) -> View:
         """The correspondences as tables."""
-        return self._inputs.view(self._shift, *self._at)
+        return View(*(field[0] for field in self._views))
 
     @cached_property
     def rooms(self) -> dict[str, str]:
@@ -156,7 +118,13 @@ class Solution:
     @cached_property
     def objects(self) -> dict[str, str]:
         """Online objects and the prior objects they most likely are."""
-        return self._inputs.evidence(self._shift, *self._at).pairs
+        i = self._inputs
+        if not i.weighs_objects:
+            return {}
+        _, claims = i.evidence(self._views, np.array([self._at]))
+        planned = i.index.objects.ids
+        pairs = zip(i.objects.ids, claims[0].tolist())
+        return {mine: planned[theirs] for mine, theirs in pairs if theirs >= 0}
 
     @cached_property
     def also_covers(self) -> dict[str, list[str]]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from situgraph.matching.solution import Inputs
-from situgraph.matching.tables import FIT, MOVED, Ints
+from situgraph.matching.preparation import Inputs
+from situgraph.matching.tables import FIT, MOVED, Floats, Ints
 
 MOST_VIEWS = 200  # candidates whose plane pairs are counted
 
@@ -24,12 +24,10 @@ def room_candidates(inputs: Inputs, alike: Ints) -> dict[str, int]:
     }
 
 
-def plane_candidates(
-    inputs: Inputs, places: list[tuple[int, float, float, float]]
-) -> dict[str, int]:
+def plane_candidates(inputs: Inputs, shift: Ints, at: Floats) -> dict[str, int]:
     """Plane pairs of all room pairs, those the semantic stage allows, and those of the candidates.
 
-    ``places`` are the candidates (shift, yaw, x, y).
+    ``shift`` (k,) and ``at`` (k, 3: yaw, x, y) are the candidates.
     """
     rows, columns = len(inputs.source), len(inputs.index.source)
     content = inputs.content
@@ -40,10 +38,9 @@ def plane_candidates(
             enough = (content.row_have[:, need[:, 0]] >= need[:, 1]).all(axis=1)
             semantic -= columns - int(enough.sum())
     pairs: set[tuple[int, int]] = set()
-    for shift, yaw, x, y in places[:MOST_VIEWS]:
-        view = inputs.view(shift, yaw, x, y)
-        held = np.flatnonzero((view.state == FIT) | (view.state == MOVED))
-        pairs.update(zip(held.tolist(), view.row[held].tolist()))
+    views = inputs.views(shift[:MOST_VIEWS], at[:MOST_VIEWS])
+    places, held = np.nonzero((views.state == FIT) | (views.state == MOVED))
+    pairs.update(zip(held.tolist(), views.row[places, held].tolist()))
     return {"type": rows * columns, "semantic": semantic, "geometric": len(pairs)}
 
 

@@ -175,10 +175,17 @@ def test_an_object_on_another_wall_or_aside() -> None:
 
 
 def test_a_missed_and_a_false_object() -> None:
+    two = with_objects(grid(1, 1), ("door", 1.0, 0.0, ""), ("door", 3.0, 0.0, ""))
+    one = with_objects(grid(1, 1), ("door", 1.0, 0.0, ""))
+    gain = math.log(0.92) + near(0.0) + unseen(1, 1)
+    assert object_gain(one, two) == pytest.approx(gain)
     plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, ""))
-    assert object_gain(grid(1, 1), plan) == pytest.approx(unseen(1, 0))
     seen = with_objects(grid(1, 1), ("door", 3.9, 4.9, ""))
     assert object_gain(seen, plan) == pytest.approx(math.log(0.04) + unseen(1, 0))
+
+
+def test_a_graph_without_any_object_says_nothing() -> None:
+    assert object_gain(grid(1, 1), with_objects(grid(1, 1), ("door", 1.0, 0.0, ""))) == 0.0
 
 
 def test_a_second_sight_of_one_object() -> None:

@@ -9,7 +9,12 @@ import msgspec
 import numpy as np
 
 from situgraph.experiments.oracle.explained import Motion, View, view
-from situgraph.experiments.oracle.likelihood import evidence, log_weight, log_weight_outside
+from situgraph.experiments.oracle.likelihood import (
+    evidence,
+    log_weight,
+    log_weight_outside,
+    most_evidence,
+)
 from situgraph.experiments.oracle.peaks import beside, highest, peak
 from situgraph.experiments.oracle.problem import Flags, Problem
 from situgraph.experiments.oracle.regions import Regions
@@ -125,11 +130,26 @@ def _rank(candidate: Candidate) -> tuple[float, ...]:
 
 
 def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> Answer:
-    """Probabilities, solutions and the verdict."""
+    """Probabilities, solutions and the verdict.
+
+    Whether the plan is mirrored is asked only of what would be unique, and not of a graph that the
+    best candidate explains so well that its mirror image could not do so by a factor more.
+    """
+    outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
+    judged = _judged(problem, candidates, outside)
+    if judged.verdict != "unique" or problem.policy == "containment":
+        return judged
+    c, best = problem.constants, judged.candidates[0]
+    gain = most_evidence(problem) - best.evidence
+    odds = c.mirror_prior / (1 - c.outside_prior) / (1 / c.unique_probability - 1)
+    if c.mirror_prior <= 0 or gain + math.log(odds) <= 0:
+        return judged
+    return _judged(problem, candidates, float(np.logaddexp(outside, log_weight_mirrored(problem))))
+
+
+def _judged(problem: Problem, candidates: list[Candidate], outside: float) -> Answer:
     c = problem.constants
     weights = [log_weight(problem, k.evidence) for k in candidates]
-    outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
-    outside = float(np.logaddexp(outside, log_weight_mirrored(problem)))
     total = float(np.logaddexp.reduce([*weights, outside]))
     weighed = tuple(
         replace(k, probability=math.exp(w - total)) for k, w in zip(candidates, weights)
@@ -140,7 +160,9 @@ def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> An
     if outside <= inside:
         least = max(weights) + (math.log(c.rival_ratio) if c.rival_ratio > 0 else -math.inf)
         solutions = tuple(k for k, w in zip(weighed, weights) if w >= least)
-        sure = len(solutions) == 1 and solutions[0].probability >= c.unique_probability
+        # The paper's filter knows nothing of what lies outside the plan.
+        among = inside if problem.policy == "containment" else total
+        sure = len(solutions) == 1 and math.exp(weights[0] - among) >= c.unique_probability
         verdict = "unique" if sure else "ambiguous"
     return Answer(weighed, solutions, math.exp(outside - total), verdict)
 
@@ -148,8 +170,6 @@ def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> An
 def log_weight_mirrored(problem: Problem) -> float:
     """Ln W of 'the plan is mirrored': the best place of the mirror image of the online graph."""
     c = problem.constants
-    if c.mirror_prior <= 0 or not problem.seen:
-        return -math.inf
     constants = msgspec.structs.replace(c, mirror_prior=0.0)
     image = answer(Problem(mirrored(problem.online), problem.prior, problem.policy, constants))
     if not image.candidates:

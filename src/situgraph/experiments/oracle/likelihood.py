@@ -16,7 +16,7 @@ from situgraph.experiments.oracle.explained import (
     fit_term,
     moved_term,
 )
-from situgraph.experiments.oracle.objects import object_evidence
+from situgraph.experiments.oracle.objects import most_object_evidence, object_evidence
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.experiments.oracle.regions import Regions
 
@@ -57,6 +57,15 @@ def evidence(problem: Problem, seen: View) -> float:
     """L: walls and rooms, under the policy ``likelihood`` objects too."""
     walls = wall_evidence(problem, seen)
     return walls + object_evidence(problem, seen) if problem.policy == "likelihood" else walls
+
+
+def most_evidence(problem: Problem) -> float:
+    """The largest L there can be: every wall, every room and every object at its place."""
+    c = problem.constants
+    planes = {plane for shape in problem.seen for plane in shape.planes}
+    walls = len(planes) * float(fit_term(problem, np.zeros(()), np.zeros(())))
+    total = walls + len(problem.seen) * math.log(1 - c.p_false_room)
+    return total + most_object_evidence(problem) if problem.policy == "likelihood" else total
 
 
 def log_weight(problem: Problem, total: float) -> float:

@@ -33,7 +33,12 @@ class Scene:
 
 
 def object_evidence(problem: Problem, seen: View) -> float:
-    """Sum of the events of the likeliest assignment of online to prior objects."""
+    """Sum of the events of the likeliest assignment of online to prior objects.
+
+    A graph without any object says nothing: nobody looked for them.
+    """
+    if not problem.online.objects:
+        return 0.0
     scene = _scene(problem, seen)
     online = [
         o
@@ -50,16 +55,40 @@ def object_evidence(problem: Problem, seen: View) -> float:
     return total + _missed(scene, prior, claimed)
 
 
+def most_object_evidence(problem: Problem) -> float:
+    """No assignment says more: every online object lies exactly where it should, none is missed."""
+    c = problem.constants
+    peak = (1 - c.object_tail_share) / (2 * math.pi * c.object_sigma**2)
+    near = math.log(
+        c.clutter_area * (peak + c.object_tail_share / math.pi / c.object_tail_radius**2)
+    )
+    shares = _shares(problem)
+    return sum(
+        max(
+            math.log(max(1 - c.miss_of(o.category), c.confusion, c.duplicate_of(o.category)))
+            - math.log(shares[o.category])
+            + near,
+            math.log(c.false_of(o.category)),
+        )
+        for o in problem.online.objects
+        if o.category in problem.modelled
+    )
+
+
 def _scene(problem: Problem, seen: View) -> Scene:
     rooms, planes = {}, set()
     for pair in seen.pairs:
         mine, theirs = problem.seen[pair.r], problem.planned[pair.a]
         rooms[mine.room.id] = theirs.room.id
         planes |= {(mine.planes[p.i], theirs.planes[p.j]) for p in pair.planes if p.j is not None}
+    return Scene(problem, seen, rooms, frozenset(planes), _shares(problem))
+
+
+def _shares(problem: Problem) -> dict[str, float]:
+    """The share of each modelled category among the prior's objects."""
     counts = Counter(q.category for q in problem.prior.objects if q.category in problem.modelled)
     floor, everything = problem.constants.least_share, max(1, sum(counts.values()))
-    shares = {c: max(floor, counts[c] / everything) for c in problem.modelled}
-    return Scene(problem, seen, rooms, frozenset(planes), shares)
+    return {c: max(floor, counts[c] / everything) for c in problem.modelled}
 
 
 def _assigned(scene: Scene, online: list[Object], prior: list[Object]) -> tuple[float, set[int]]:
