@@ -14,7 +14,7 @@ import numpy as np
 
 from situgraph.geometry.poses import Array
 from situgraph.slam.cloud import moved, thin
-from situgraph.slam.config import OdometryConfig
+from situgraph.slam.input_config import OdometryConfig
 from situgraph.slam.motion import inverse, size, tidy
 from situgraph.slam.odometry import Step
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from situgraph.errors import MissingExtraError
 from situgraph.geometry.poses import Array
-from situgraph.slam.config import OdometryConfig
+from situgraph.slam.input_config import OdometryConfig
 
 
 class Step(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from situgraph.geometry.poses import Array, matrix_to_pose, pose_to_matrix, rotation2
 from situgraph.scenegraph.graph import SceneGraph, Warning
-from situgraph.slam import odometry
 from situgraph.slam.cloud import Cleaned, clean, moved
 from situgraph.slam.config import SlamConfig
 from situgraph.slam.deskew import deskew
@@ -20,12 +20,13 @@ from situgraph.slam.keyframes import Keyframe, due, view
 from situgraph.slam.mapping import Mapper, level_pose
 from situgraph.slam.motion import OdometryTrack, interpolate, relative, size, tidy
 from situgraph.slam.notices import Notices
+from situgraph.slam.odometry import ScanOdometry, make
 from situgraph.slam.planemap import PlaneMap
 from situgraph.slam.rooms import Reason, RoomBook
 from situgraph.slam.scene import scene_graph
 from situgraph.slam.storeys import BETWEEN, Storeys
 from situgraph.slam.surroundings import Surroundings
-from situgraph.slam.trajectory import trajectory
+from situgraph.slam.trajectory import Trail, trajectory
 
 
 class Slam:
@@ -36,18 +37,22 @@ class Slam:
     """
 
     def __init__(
-        self, config: SlamConfig | None = None, base_T_lidar: ArrayLike | None = None
+        self,
+        config: SlamConfig | None = None,
+        base_T_lidar: ArrayLike | None = None,
+        odometry: ScanOdometry | None = None,
     ) -> None:
         """Start empty.
 
         Args:
             config: settings.
             base_T_lidar: pose (7,) of the LiDAR in base; none: base is the LiDAR.
+            odometry: registers scans; none: the one that the settings name.
         """
         self.config = config or SlamConfig()
         self._lidar = np.eye(4) if base_T_lidar is None else pose_to_matrix(base_T_lidar)
         self._track = OdometryTrack(self.config.odometry.memory)
-        self._odometry = odometry.make(self.config.odometry)
+        self._odometry = odometry or make(self.config.odometry)
         self.graph = FactorGraph(self.config.graph)
         self.planes = PlaneMap(self.config.map.interval_gap)
         self.storeys = Storeys(self.config.storeys)
@@ -60,6 +65,8 @@ class Slam:
         self._step = (np.eye(4), 1.0)  # the last motion and the seconds it took
         self._trusted = True
         self._path: list[tuple[float, int, Array]] = []
+        self._trail = Trail(self.config.keyframes.trail)
+        self.changes = 0  # how often a room was found, lost, or given other walls
         self._notices = Notices()
         self.seconds = {"odometry": 0.0, "planes": 0.0, "graph": 0.0, "rooms": 0.0}
 
@@ -120,7 +127,9 @@ class Slam:
         self._last = (stamp, pose)
         keyframe = self._keyframe(stamp, scan, pose)
         last = self.keyframes[-1]
-        self._path.append((stamp, last.number, relative(last.odometry, pose)))
+        motion = relative(last.odometry, pose)
+        self._path.append((stamp, last.number, motion))
+        self._trail.add(last.number, motion[:3, 3])
         return keyframe
 
     @property
@@ -134,6 +143,28 @@ class Slam:
     def trajectory(self) -> tuple[Array, Array]:
         """Stamps (n,) and poses (n, 7) of base in the map, one a scan."""
         return trajectory(self._path, self.keyframes, self.graph)
+
+    def places(self) -> Array:
+        """Positions (n, 3) of base in the map, thinned; quick enough to be asked for often."""
+        return self._trail.places(self.graph.poses([k.number for k in self.keyframes]))
+
+    def moment(self, stamp: float) -> tuple[int, Array] | None:
+        """Where base was between two scans: a keyframe's number and the motion (4x4) from it.
+
+        None when ``stamp`` does not lie between the first keyframe and the last scan, or no scan
+        came near it.
+        """
+        i = bisect.bisect_left(self._path, stamp, key=lambda step: step[0])
+        if i == len(self._path) or (i == 0 and self._path[0][0] > stamp):
+            return None
+        (before, _, _), (after, number, motion) = self._path[max(i - 1, 0)], self._path[i]
+        if after - before > self.config.odometry.memory:
+            return None
+        if before == after:
+            return number, motion
+        base = [self.keyframes[n].odometry @ m for _, n, m in (self._path[i - 1], self._path[i])]
+        between = interpolate(base[0], base[1], (stamp - before) / (after - before))
+        return number, relative(self.keyframes[number].odometry, between)
 
     def refresh(self) -> None:
         """Let every plane and room follow the graph, also those far from the robot."""
@@ -221,7 +252,8 @@ class Slam:
         place = self._mapper.pose(keyframe.number)[:2, 3]
         near = self._surroundings.near(keyframe.storey, place, self._mapper.pose)
         walls = [p for p in self.planes.on(keyframe.storey) if p.certain(self.config.map)]
-        self.rooms.update(keyframe.storey, place, near.outlines, near.places, walls)
+        changed = self.rooms.update(keyframe.storey, place, near.outlines, near.places, walls)
+        self.changes += changed
 
     @contextmanager
     def _timed(self, stage: str) -> Iterator[None]:
