@@ -1,0 +1,167 @@
+"""The whole answer of the coupling: trajectory, map, objects and deviations in the building."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from situgraph.coupling.association import associate_planes, associate_rooms
+from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.coupled import Coupled, couple
+from situgraph.coupling.deviations import Deviation, find_deviations
+from situgraph.coupling.evidence import Evidence, from_scene
+from situgraph.coupling.trajectory import Carrier
+from situgraph.coupling.walls import walls
+from situgraph.geometry.poses import Array, Placement
+from situgraph.scenegraph.graph import SceneGraph
+
+ROUNDS = 2  # association and solution in turn
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """What corresponds, online id -> prior id, and where the map lies: a solution of the match."""
+
+    placement: Placement
+    rooms: Mapping[str, str]
+    planes: Mapping[str, str]
+    objects: Mapping[str, str]
+    storeys: Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """The robot in the building.
+
+    ``graph`` is the S-Graph in the building frame, corrected by the plan; ``rooms`` and ``planes``
+    also hold what was associated by its place; ``coupled`` has the estimates of every wall.
+    """
+
+    graph: SceneGraph
+    coupled: Coupled
+    carrier: Carrier
+    rooms: Mapping[str, str]
+    planes: Mapping[str, str]
+    deviations: tuple[Deviation, ...]
+
+    @property
+    def placement(self) -> Placement:
+        """Map to building."""
+        return self.coupled.placement
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON ``situgraph/located``, version 1."""
+        m = self.coupled.building_T_map
+        at = self.placement
+        return {
+            "format": "situgraph/located",
+            "version": 1,
+            "transform": {"x": at.x, "y": at.y, "z": at.z, "yaw": at.yaw},
+            "building_T_map": m.tolist(),
+            "rooms": dict(self.rooms),
+            "planes": dict(self.planes),
+            "rms": self.coupled.rms,
+            "walls": [
+                {
+                    "online": w.online,
+                    "prior": w.prior,
+                    "offset": w.offset,
+                    "offset_sigma": w.offset_sigma,
+                    "tilt": w.tilt,
+                    "tilt_sigma": w.tilt_sigma,
+                }
+                for w in self.coupled.walls
+            ],
+            "deviations": [msgspec.to_builtins(d) for d in self.deviations],
+            "seconds": self.coupled.seconds,
+        }
+
+
+def locate(
+    online: SceneGraph,
+    prior: SceneGraph,
+    pairs: Pairs,
+    *,
+    evidence: Evidence | None = None,
+    config: CouplingConfig | None = None,
+) -> Located:
+    """Couple both graphs as a match says, and associate what the match left out.
+
+    Args:
+        online: the S-Graph, map frame.
+        prior: the A-Graph.
+        pairs: a solution of the match (``pairs_of``).
+        evidence: the factors behind ``online``; None takes its planes as measured one by one.
+        config: settings.
+    """
+    settings = config or CouplingConfig()
+    known = from_scene(online, settings) if evidence is None else evidence
+    placement, planes = pairs.placement, dict(pairs.planes)
+    for _ in range(ROUNDS):
+        faces = walls(online, prior, planes, placement)
+        coupled = couple(known, faces, placement, settings)
+        placement = coupled.placement
+        before = planes
+        planes = associate_planes(online, prior, placement, pairs.storeys, pairs.planes, settings)
+        if planes == before:
+            break
+    else:
+        coupled = couple(known, walls(online, prior, planes, placement), placement, settings)
+    rooms = associate_rooms(online, prior, placement, pairs.storeys, pairs.rooms, settings)
+    carrier = Carrier(online.keyframes, coupled.frames, coupled.building_T_map)
+    graph = _carried(online, coupled, carrier)
+    told = find_deviations(graph, prior, coupled.walls, rooms, pairs.objects, settings)
+    return Located(graph, coupled, carrier, rooms, planes, told)
+
+
+def _carried(online: SceneGraph, coupled: Coupled, carrier: Carrier) -> SceneGraph:
+    """The S-Graph in the building: planes and keyframes as estimated, the rest carried along."""
+    change = msgspec.structs.replace
+    planes = []
+    for p in online.planes:
+        x, y, z, d = coupled.planes.get(p.id, np.zeros(4)).tolist()
+        extent = None
+        if p.extent is not None:
+            ends = carrier.points(np.asarray(p.extent, dtype=float))
+            flat = math.hypot(x, y) or 1.0
+            n = np.array([x, y]) / flat
+            ends -= (ends @ n + d / flat)[:, None] * n
+            (ax, ay), (bx, by) = ends.tolist()
+            extent = ((ax, ay), (bx, by))
+        planes.append(change(p, normal=(x, y, z), offset=d, extent=extent))
+    rooms = [
+        change(
+            r,
+            center=_triple(carrier.points(np.array([r.center]))[0]),
+            footprint=None
+            if r.footprint is None
+            else tuple((float(a), float(b)) for a, b in carrier.points(np.array(r.footprint))),
+        )
+        for r in online.rooms
+    ]
+    objects = [
+        change(
+            o,
+            center=_triple(carrier.points(np.array([o.center]))[0]),
+            ellipsoid=None if o.ellipsoid is None else carrier.ellipsoid(o.ellipsoid),
+        )
+        for o in online.objects
+    ]
+    rise = coupled.placement.z
+    return online.replace(
+        planes=tuple(planes),
+        rooms=tuple(rooms),
+        objects=tuple(objects),
+        keyframes=carrier.keyframes(),
+        storeys=tuple(change(s, elevation=s.elevation + rise) for s in online.storeys),
+    )
+
+
+def _triple(values: Array) -> tuple[float, float, float]:
+    x, y, z = values.tolist()
+    return x, y, z
