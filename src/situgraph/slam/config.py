@@ -294,8 +294,11 @@ class GraphConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
         0.015
     )
     motion_share: Annotated[float, meta("Error of a motion, a metre", "1", TESTS, ge=0)] = 0.01
+    recorded_factor: Annotated[
+        float, meta("Errors are so much larger where only odometry was there", "1", TESTS, ge=1)
+    ] = 3.0
     lost_factor: Annotated[
-        float, meta("Errors are so much larger where scans were not registered", "1", TESTS, ge=1)
+        float, meta("Errors are so much larger where nothing was there", "1", TESTS, ge=1)
     ] = 20.0
 
 

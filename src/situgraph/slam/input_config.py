@@ -45,7 +45,12 @@ class OdometryConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     ] = 0.2
     wide_reach: Annotated[
         float,
-        meta("The same in a second try, after lost scans", "m", "2 s at walking speed", gt=0),
+        meta(
+            "The same in a second try where no odometry was recorded",
+            "m",
+            "2 s at walking speed",
+            gt=0,
+        ),
     ] = 3.0
     iterations: Annotated[int, meta("Iterations of each half", "1", "docs/slam.md", ge=1)] = 10
     least_fit: Annotated[
@@ -67,6 +72,9 @@ class OdometryConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     memory: Annotated[
         float, meta("Recorded odometry is kept this long", "s", "bursts of 2 s may be lost", gt=0)
     ] = 10.0
+    least_memory: Annotated[
+        int, meta("... and no fewer than the last poses", "1", "logs of keyframes", ge=2)
+    ] = 20
     slack: Annotated[
         float, meta("Recorded odometry this far from a scan still counts", "s", "5 Hz", ge=0)
     ] = 0.2

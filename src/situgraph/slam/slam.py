@@ -51,7 +51,7 @@ class Slam:
         """
         self.config = config or SlamConfig()
         self._lidar = np.eye(4) if base_T_lidar is None else pose_to_matrix(base_T_lidar)
-        self._track = OdometryTrack(self.config.odometry.memory)
+        self._track = OdometryTrack(self.config.odometry.memory, self.config.odometry.least_memory)
         self._odometry = odometry or make(self.config.odometry)
         self.graph = FactorGraph(self.config.graph)
         self.planes = PlaneMap(self.config.map.interval_gap)
@@ -63,7 +63,7 @@ class Slam:
         self.keyframes: list[Keyframe] = []
         self._last: tuple[float, Array] | None = None  # stamp and odometry pose of the last scan
         self._step = (np.eye(4), 1.0)  # the last motion and the seconds it took
-        self._trusted = True
+        self._doubt = 1.0  # how much worse than usual the motion since the last keyframe is known
         self._path: list[tuple[float, int, Array]] = []
         self._trail = Trail(self.config.keyframes.trail)
         self.changes = 0  # how often a room was found, lost, or given other walls
@@ -107,15 +107,16 @@ class Slam:
         if cleaned is None:
             return None
         with self._timed("odometry"):
-            motion, seconds = self._expected_motion(stamp)
+            motion, seconds, recorded = self._expected_motion(stamp)
             scan = moved(cleaned.points, self._lidar)
             if times is not None:
                 scan = deskew(scan, np.asarray(times)[cleaned.kept], motion, seconds)
-            step = self._odometry.register(
-                scan, self._lidar[:3, 3], self._expected_pose(stamp, motion)
-            )
+            guess, c = self._expected_pose(stamp, motion), self.config.odometry
+            reach = c.reach if recorded else c.wide_reach
+            step = self._odometry.register(scan, self._lidar[:3, 3], guess, reach)
         if not step.trusted:
-            self._trusted = False
+            g = self.config.graph
+            self._doubt = max(self._doubt, g.recorded_factor if recorded else g.lost_factor)
             self._notices.add(
                 "scan-not-registered",
                 f"the scan at {stamp:.3f} s fits the ones before in {step.fit:.0%} of its points; "
@@ -207,16 +208,19 @@ class Slam:
             return None
         return cleaned
 
-    def _expected_motion(self, stamp: float) -> tuple[Array, float]:
-        """Motion (4x4) since the last scan and the seconds since: recorded, else as before."""
+    def _expected_motion(self, stamp: float) -> tuple[Array, float, bool]:
+        """Motion (4x4) since the last scan, the seconds since, and whether it was recorded.
+
+        What was not recorded goes on as before.
+        """
         if self._last is None:
-            return np.eye(4), 0.0
+            return np.eye(4), 0.0, True
         seconds = stamp - self._last[0]
         recorded = self._track.between(self._last[0], stamp, self.config.odometry.slack)
         if recorded is not None:
-            return recorded, seconds
+            return recorded, seconds, True
         motion, period = self._step
-        return interpolate(np.eye(4), motion, seconds / period), seconds
+        return interpolate(np.eye(4), motion, seconds / period), seconds, False
 
     def _expected_pose(self, stamp: float, motion: Array) -> Array:
         if self._last is not None:
@@ -240,8 +244,8 @@ class Slam:
         keyframe = Keyframe(len(self.keyframes), stamp, pose, seen, storey)
         self.keyframes.append(keyframe)
         with self._timed("graph"):
-            self._mapper.add(keyframe, guess, motion, self._trusted)
-        self._trusted = True
+            self._mapper.add(keyframe, guess, motion, self._doubt)
+        self._doubt = 1.0
         if storey != BETWEEN:
             with self._timed("rooms"):
                 self._find_rooms(keyframe)
