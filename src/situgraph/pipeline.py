@@ -1,7 +1,8 @@
 """The live system (paper, system overview): scans, images and odometry in, a located map out.
 
 Scans make the map of walls, rooms and storeys; images add objects and their relations; after each
-keyframe that changed what a match looks at, the map is matched with the plan.
+keyframe that changed what a match looks at, the map is matched with the plan. While a match is
+adopted, plan and map are coupled, and the robot's pose in the building is known with each scan.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from situgraph.config import Settings
+from situgraph.coupling import Located, Locator, from_slam, locate
 from situgraph.geometry.poses import Array, pose_to_matrix
 from situgraph.matching import Matcher, PlanIndex
 from situgraph.objects.detections import Camera, Detector
@@ -39,7 +41,9 @@ class State(msgspec.Struct, frozen=True):
     """What is known at ``stamp`` (s).
 
     ``pose`` is base in the map; ``verdict`` is that of the last match, None before the first;
-    ``solutions`` counts its placements, ``advice`` says what to look at to tell them apart.
+    ``solutions`` counts its placements, ``advice`` says what to look at to tell them apart;
+    ``probability`` is that of the best one. ``place`` is base in the building while a match is
+    adopted, else None.
     """
 
     stamp: float
@@ -50,6 +54,8 @@ class State(msgspec.Struct, frozen=True):
     verdict: str | None = None
     solutions: int | None = None
     advice: str | None = None
+    probability: float | None = None
+    place: tuple[float, ...] | None = None
 
 
 class Pipeline:
@@ -59,6 +65,8 @@ class Pipeline:
         state: what is known now.
         graph: the S-Graph with objects and relations, as of the last keyframe that was matched.
         result: the last match; None without a plan or before the first room.
+        locator: adopts and withdraws matches; None without a plan.
+        located: the map in the building while a match is adopted, else None.
         history: the states in which a match was made, in order.
     """
 
@@ -92,13 +100,24 @@ class Pipeline:
             if plan is None
             else Matcher(plan, semantics=semantics, config=self.settings.matching)
         )
+        self.locator = (
+            None
+            if self.matcher is None
+            else Locator(
+                self.matcher,
+                self.matcher.index.prior,
+                self.settings.coupling,
+                self.settings.matching,
+            )
+        )
+        self.located: Located | None = None
         self._camera = None if base_T_camera is None else pose_to_matrix(base_T_camera)
         self._waiting: deque[Frame] = deque(maxlen=self.settings.slam.images.waiting)
         self._last_image = -np.inf
         self._corrected = np.empty((0, 4, 4))
         self._matched: tuple[Any, ...] = ()
         self._notices = Notices()
-        self._seconds = {"objects": 0.0, "graph out": 0.0, "matching": 0.0}
+        self._seconds = {"objects": 0.0, "graph out": 0.0, "matching": 0.0, "coupling": 0.0}
         self.state = State(0.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0, 0, 0)
         self.graph = SceneGraph(kind="online")
         self.result: MatchResult | None = None
@@ -120,6 +139,9 @@ class Pipeline:
             self._look(scan.stamp)
             if keyframe is not None:
                 self._locate(keyframe)
+            self.state = msgspec.structs.replace(
+                self.state, stamp=scan.stamp, pose=_row(self.slam.pose), place=self._place()
+            )
         return self.state
 
     def finish(self) -> State:
@@ -190,13 +212,39 @@ class Pipeline:
             with self._timed("graph out"):
                 self._move_objects()
                 self.graph = self.objects.annotated(self.slam.scene_graph(), self.slam.places())
-            if self.matcher is not None and self.graph.rooms:
+            if self.locator is not None and self.graph.rooms:
                 with self._timed("matching"):
-                    self.result = self.matcher.update(self.graph)
+                    self.result = self.locator.update(self.graph, keyframe.stamp)
+                with self._timed("coupling"):
+                    self._couple()
             self.state = self._state(keyframe)
             self.history.append(self.state)
         else:
             self.state = self._state(keyframe)
+
+    def _couple(self) -> None:
+        """The map in the building, as the adopted match has it now."""
+        assert self.locator is not None
+        assert self.matcher is not None
+        pairs = self.locator.pairs
+        if pairs is None:
+            self.located = None
+            return
+        self.located = locate(
+            self.graph,
+            self.matcher.index.prior,
+            pairs,
+            evidence=from_slam(self.slam.graph, self.graph),
+            looked_for=() if self.objects.detector is None else None,
+            config=self.settings.coupling,
+        )
+
+    def _place(self) -> tuple[float, ...] | None:
+        """Base in the building now."""
+        if self.located is None:
+            return None
+        carried = self.located.carrier.trajectory([np.inf], self.slam.pose[None])
+        return _row(carried[0])
 
     def _objects(self) -> tuple[tuple[int, str], ...]:
         return tuple((track.number, node.category) for track, node in self.objects.map.nodes())
@@ -218,13 +266,15 @@ class Pipeline:
         result = self.result
         return State(
             stamp=keyframe.stamp,
-            pose=tuple(self.slam.pose.tolist()),
+            pose=_row(self.slam.pose),
             keyframes=len(self.slam.keyframes),
             rooms=len(self.graph.rooms),
             objects=len(self.graph.objects),
             verdict=None if result is None else result.verdict,
             solutions=None if result is None else result.count,
             advice=None if result is None or result.unique else _advice(result),
+            probability=None if result is None or not result.best else result.best.probability,
+            place=self._place(),
         )
 
     @contextmanager
@@ -234,6 +284,10 @@ class Pipeline:
             yield
         finally:
             self._seconds[stage] += time.perf_counter() - start
+
+
+def _row(pose: Array) -> tuple[float, ...]:
+    return tuple(pose.tolist())
 
 
 def _advice(result: MatchResult) -> str | None:

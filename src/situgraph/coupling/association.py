@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -23,8 +23,9 @@ def associate_planes(
 ) -> dict[str, str]:
     """Online planes and the planned faces they are: those matched, and the others by their place.
 
-    A plane of the map may be several faces of the plan in one line, and the other way round; each
-    online plane gets the one that is nearest, of the same direction, with a common stretch.
+    Each online plane gets the nearest face of the same direction with a common stretch. A face that
+    has its plane already takes another one only in the same surface: a window pane or a cupboard
+    before the wall is not the wall.
 
     Args:
         online: in the map frame.
@@ -35,23 +36,24 @@ def associate_planes(
         config: how near is near.
     """
     pairs = {k: v for k, v in matched.items() if k in online.plane_by_id}
-    floors = _floors(prior)
-    own = _floors(online)
-    faces = [(p, _line(p)) for p in prior.planes]
-    by_storey: dict[str | None, list[tuple[Plane, tuple[Array, float]]]] = {}
-    for face in faces:
-        for storey in floors.get(face[0].id, {None}):
+    floors, own = _floors(prior), _floors(online)
+    by_storey: dict[str | None, list[Plane]] = {}
+    for face in prior.planes:
+        for storey in floors.get(face.id, {None}):
             by_storey.setdefault(storey, []).append(face)
+    only = set(storeys.values())
+    options: list[tuple[float, str, str]] = []
     for plane in online.planes:
-        if plane.id in pairs:
-            continue
-        levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}
-        if not levels:
-            levels = {next(iter(storeys.values()))} if len(set(storeys.values())) == 1 else set()
-        candidates = [f for level in levels for f in by_storey.get(level, [])]
-        chosen = _nearest(plane, candidates, placement, config)
-        if chosen is not None:
-            pairs[plane.id] = chosen
+        if plane.id not in pairs:
+            levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}
+            faces = [f for level in levels or only for f in by_storey.get(level, [])]
+            if levels or len(only) == 1:
+                options += _options(plane, faces, placement, config)
+    taken = set(pairs.values())
+    for away, name, face_id in sorted(options):
+        if name not in pairs and (face_id not in taken or away <= config.same_surface):
+            pairs[name] = face_id
+            taken.add(face_id)
     return pairs
 
 
@@ -93,31 +95,27 @@ def _covering(
     return best[1] if best[0] >= share * outline.area > 0.0 else None
 
 
-def _nearest(
-    plane: Plane,
-    faces: list[tuple[Plane, tuple[Array, float]]],
-    placement: Placement,
-    config: CouplingConfig,
-) -> str | None:
+def _options(
+    plane: Plane, faces: list[Plane], placement: Placement, config: CouplingConfig
+) -> Iterator[tuple[float, str, str]]:
+    """The planned faces that an online plane may be: how far away (m), its id, theirs."""
     n, d = _line(plane)
     normal = placement.vectors(n)
     offset = d - float(normal @ np.array([placement.x, placement.y]))
     along = np.array([-normal[1], normal[0]])
     seen = stretch(plane, along, placement)
-    best: tuple[float, str] | None = None
-    for face, (m, _) in faces:
-        if float(m @ normal) < math.cos(config.same_angle):
-            continue
+    for face in faces:
         planned = stretch(face, along)
         if seen is None or planned is None:
+            continue
+        if float(_line(face)[0] @ normal) < math.cos(config.same_angle):
             continue
         common = min(seen[1], planned[1]) - max(seen[0], planned[0])
         if common < min(config.least_overlap, 0.5 * (planned[1] - planned[0])):
             continue
         away = float(np.mean(np.abs(_ends(face) @ normal + offset)))
-        if away <= config.same_offset and (best is None or (away, face.id) < best):
-            best = (away, face.id)
-    return None if best is None else best[1]
+        if away <= config.same_offset:
+            yield away, plane.id, face.id
 
 
 def _ends(face: Plane) -> Array:

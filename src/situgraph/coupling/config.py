@@ -57,6 +57,9 @@ class CouplingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     same_offset: Annotated[
         float, _meta("Faces farther apart are never one", "m", _DESIGN, gt=0, le=2)
     ] = 0.4
+    same_surface: Annotated[
+        float, _meta("A second plane on one face lies this near it", "m", _CHOICE, gt=0, le=1)
+    ] = 0.06
     least_overlap: Annotated[
         float, _meta("Common stretch of two faces that are one", "m", _CHOICE, gt=0, le=5)
     ] = 0.3

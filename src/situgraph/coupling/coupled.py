@@ -12,6 +12,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -41,21 +42,31 @@ class WallEstimate:
     place: tuple[float, float, float]
 
 
-@dataclass(frozen=True, eq=False)
 class Coupled:
-    """The map in the building.
+    """The map in the building; standard deviations are worked out when they are asked for.
 
-    ``building_T_map`` (4, 4); ``frames``: each keyframe's pose (4, 4) in the building;
-    ``planes``: each online plane (4,) n, d there; ``walls``: the matched faces; ``rms`` (m) of the
-    offsets of those that are where they were planned; ``seconds`` the optimisation took.
+    Attributes:
+        building_T_map: (4, 4).
+        frames: each keyframe's pose (4, 4) in the building.
+        planes: each online plane (4,) n, d there.
+        seconds: what the optimisation took.
     """
 
-    building_T_map: Array  # noqa: N815
-    frames: dict[str, Array]
-    planes: dict[str, Array]
-    walls: tuple[WallEstimate, ...]
-    rms: float
-    seconds: float
+    def __init__(
+        self, problem: _Problem, values: Any, evidence: Evidence, anchor: Array, start: float
+    ) -> None:
+        """Read the solution ``values``; ``start`` is when the work began."""
+        self._problem = problem
+        self._values = values
+        building = values.atPose3(problem.building).matrix()  # the anchor in the map
+        self.building_T_map: Array = anchor @ np.linalg.inv(building)
+        move = self.building_T_map
+        self.frames = {k: move @ values.atPose3(v).matrix() for k, v in evidence.keyframes.items()}
+        self.planes = {
+            k: _moved(values.atOrientedPlane3(v).planeCoefficients(), move)
+            for k, v in evidence.planes.items()
+        }
+        self.seconds = time.perf_counter() - start
 
     @property
     def placement(self) -> Placement:
@@ -63,6 +74,17 @@ class Coupled:
         m = self.building_T_map
         x, y, z = m[:3, 3].tolist()
         return Placement(x, y, z, math.atan2(m[1, 0], m[0, 0]))
+
+    @cached_property
+    def walls(self) -> tuple[WallEstimate, ...]:
+        """The matched faces."""
+        return _estimates(self._problem, self._values)
+
+    @cached_property
+    def rms(self) -> float:
+        """Of the offsets (m) of the matched faces that are where they were planned."""
+        near = [w.offset for w in self.walls if abs(w.offset) <= self._problem.told]
+        return math.sqrt(sum(d * d for d in near) / len(near)) if near else 0.0
 
 
 def couple(
@@ -88,17 +110,7 @@ def couple(
     values = gtsam.LevenbergMarquardtOptimizer(
         problem.factors, problem.values, parameters
     ).optimize()
-    building = values.atPose3(problem.building).matrix()  # the anchor in the map
-    building_T_map = anchor @ np.linalg.inv(building)
-    estimates = _estimates(problem, values, known)
-    frames = {k: building_T_map @ values.atPose3(v).matrix() for k, v in evidence.keyframes.items()}
-    planes = {
-        k: _moved(values.atOrientedPlane3(v).planeCoefficients(), building_T_map)
-        for k, v in evidence.planes.items()
-    }
-    near = [w.offset for w in estimates if abs(w.offset) <= config.told_offset]
-    rms = math.sqrt(sum(d * d for d in near) / len(near)) if near else 0.0
-    return Coupled(building_T_map, frames, planes, estimates, rms, time.perf_counter() - start)
+    return Coupled(problem, values, evidence, anchor, start)
 
 
 class _Problem:
@@ -115,6 +127,8 @@ class _Problem:
     ) -> None:
         noise = gtsam.noiseModel
         self.gtsam = gtsam
+        self.walls = walls
+        self.told = config.told_offset
         self.factors = gtsam.NonlinearFactorGraph(evidence.factors)
         self.values = gtsam.Values(evidence.values)
         self.building = gtsam.symbol("B", 0)
@@ -145,14 +159,14 @@ class _Problem:
             )
 
 
-def _estimates(problem: _Problem, values: Any, walls: Sequence[Wall]) -> tuple[WallEstimate, ...]:
+def _estimates(problem: _Problem, values: Any) -> tuple[WallEstimate, ...]:
     """Deviation of each face and its spread, from the joint marginal with the building."""
-    if not walls:
+    if not problem.walls:
         return ()
     marginals = problem.gtsam.Marginals(problem.factors, values)
     building = values.atPose3(problem.building)
     found = []
-    for key, wall, planned in zip(problem.deviations, walls, problem.planned):
+    for key, wall, planned in zip(problem.deviations, problem.walls, problem.planned):
         motion, slope = deviation(building, values.atPose3(key), planned)
         keys = problem.gtsam.KeyVector()
         keys.append(problem.building)

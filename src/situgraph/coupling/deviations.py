@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 import msgspec
@@ -63,6 +63,7 @@ def find_deviations(
     walls: Sequence[WallEstimate],
     rooms: Mapping[str, str],
     objects: Mapping[str, str],
+    looked_for: Collection[str] | None,
     config: CouplingConfig,
 ) -> tuple[Deviation, ...]:
     """All that differs, walls first.
@@ -73,13 +74,15 @@ def find_deviations(
         walls: the estimates of all associated faces.
         rooms: online room -> planned room.
         objects: online object -> planned object, as matched.
+        looked_for: categories the robot would have seen; None: those that ``seen`` has.
         config: what is worth telling.
     """
+    able = (seen.categories if looked_for is None else set(looked_for)) & prior.modelled
     return (
         *_moved_walls(prior, walls, config),
         *_missing_walls(seen, prior, walls, rooms, config),
         *_extra_walls(seen, prior, walls, rooms, config),
-        *_openings(seen, prior, walls, rooms, objects, config),
+        *_openings(seen, prior, walls, rooms, objects, able, config),
     )
 
 
@@ -215,10 +218,11 @@ def _openings(
     walls: Sequence[WallEstimate],
     rooms: Mapping[str, str],
     objects: Mapping[str, str],
+    looked_for: Collection[str],
     config: CouplingConfig,
 ) -> Iterable[Deviation]:
     """Doors and windows on faces that were seen: moved along them, missing, extra."""
-    able = {o.category for o in seen.objects} & prior.modelled & set(OPENINGS)
+    able = set(looked_for) & set(OPENINGS)
     faces: dict[str, list[str]] = {}
     for wall in walls:
         faces.setdefault(wall.prior, []).append(wall.online)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import msgspec
@@ -34,25 +35,54 @@ class Pairs:
     storeys: Mapping[str, str]
 
 
-@dataclass(frozen=True, eq=False)
 class Located:
-    """The robot in the building.
+    """The robot in the building; deviations are worked out when they are asked for.
 
-    ``graph`` is the S-Graph in the building frame, corrected by the plan; ``rooms`` and ``planes``
-    also hold what was associated by its place; ``coupled`` has the estimates of every wall.
+    Attributes:
+        rooms: online room -> planned room, also those that were associated by their place.
+        planes: likewise.
+        coupled: the solution of both graphs.
+        carrier: takes poses and points of the map to the building.
     """
 
-    graph: SceneGraph
-    coupled: Coupled
-    carrier: Carrier
-    rooms: Mapping[str, str]
-    planes: Mapping[str, str]
-    deviations: tuple[Deviation, ...]
+    def __init__(
+        self,
+        online: SceneGraph,
+        prior: SceneGraph,
+        coupled: Coupled,
+        pairs: Pairs,
+        looked_for: Collection[str] | None,
+        config: CouplingConfig,
+    ) -> None:
+        """``pairs`` as associated; ``looked_for``: categories that the robot would have seen."""
+        self.coupled = coupled
+        self.rooms, self.planes = pairs.rooms, pairs.planes
+        self.carrier = Carrier(online.keyframes, coupled.frames, coupled.building_T_map)
+        self._online, self._prior, self._pairs = online, prior, pairs
+        self._looked_for, self._config = looked_for, config
 
     @property
     def placement(self) -> Placement:
         """Map to building."""
         return self.coupled.placement
+
+    @cached_property
+    def graph(self) -> SceneGraph:
+        """The S-Graph in the building frame, corrected by the plan."""
+        return _carried(self._online, self.coupled, self.carrier)
+
+    @cached_property
+    def deviations(self) -> tuple[Deviation, ...]:
+        """What differs from the plan."""
+        return find_deviations(
+            self.graph,
+            self._prior,
+            self.coupled.walls,
+            self.rooms,
+            self._pairs.objects,
+            self._looked_for,
+            self._config,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON ``situgraph/located``, version 1."""
@@ -88,6 +118,7 @@ def locate(
     pairs: Pairs,
     *,
     evidence: Evidence | None = None,
+    looked_for: Collection[str] | None = None,
     config: CouplingConfig | None = None,
 ) -> Located:
     """Couple both graphs as a match says, and associate what the match left out.
@@ -97,6 +128,8 @@ def locate(
         prior: the A-Graph.
         pairs: a solution of the match (``pairs_of``).
         evidence: the factors behind ``online``; None takes its planes as measured one by one.
+        looked_for: categories of objects that the robot would have seen; only those can be
+            missing or extra. None: those that ``online`` has.
         config: settings.
     """
     settings = config or CouplingConfig()
@@ -113,10 +146,8 @@ def locate(
     else:
         coupled = couple(known, walls(online, prior, planes, placement), placement, settings)
     rooms = associate_rooms(online, prior, placement, pairs.storeys, pairs.rooms, settings)
-    carrier = Carrier(online.keyframes, coupled.frames, coupled.building_T_map)
-    graph = _carried(online, coupled, carrier)
-    told = find_deviations(graph, prior, coupled.walls, rooms, pairs.objects, settings)
-    return Located(graph, coupled, carrier, rooms, planes, told)
+    found = Pairs(placement, rooms, planes, pairs.objects, pairs.storeys)
+    return Located(online, prior, coupled, found, looked_for, settings)
 
 
 def _carried(online: SceneGraph, coupled: Coupled, carrier: Carrier) -> SceneGraph:
