@@ -21,6 +21,7 @@ from situgraph.slam.mapping import Mapper, level_pose
 from situgraph.slam.motion import OdometryTrack, interpolate, relative, size, tidy
 from situgraph.slam.notices import Notices
 from situgraph.slam.odometry import ScanOdometry, make
+from situgraph.slam.pace import Pace
 from situgraph.slam.planemap import PlaneMap
 from situgraph.slam.rooms import Reason, RoomBook
 from situgraph.slam.scene import scene_graph
@@ -68,6 +69,7 @@ class Slam:
         self._trail = Trail(self.config.keyframes.trail)
         self.changes = 0  # how often a room was found, lost, or given other walls
         self._notices = Notices()
+        self._pace = Pace()
         self.seconds = {"odometry": 0.0, "planes": 0.0, "graph": 0.0, "rooms": 0.0}
 
     def feed_odometry(self, stamp: float, pose: ArrayLike) -> None:
@@ -106,11 +108,12 @@ class Slam:
         cleaned = self._accept(stamp, points)
         if cleaned is None:
             return None
+        when = self._times_of(cleaned, stamp, times)
         with self._timed("odometry"):
             motion, seconds, recorded = self._expected_motion(stamp)
             scan = moved(cleaned.points, self._lidar)
-            if times is not None:
-                scan = deskew(scan, np.asarray(times)[cleaned.kept], motion, seconds)
+            if when is not None:
+                scan = deskew(scan, when, motion, seconds)
             guess, c = self._expected_pose(stamp, motion), self.config.odometry
             reach = c.reach if recorded else c.wide_reach
             step = self._odometry.register(scan, self._lidar[:3, 3], guess, reach)
@@ -194,6 +197,11 @@ class Slam:
                 "scan-out-of-order", f"the scan at {stamp:.3f} s is not later than the last one"
             )
             return None
+        if np.ndim(points) != 2 or np.shape(points)[1] != 3:
+            self._notices.add(
+                "scan-odd", f"the scan at {stamp:.3f} s is {np.shape(points)}, not (n, 3)"
+            )
+            return None
         cleaned = clean(points, self.config.odometry.near, self.config.odometry.far)
         if cleaned.broken:
             self._notices.add(
@@ -206,7 +214,23 @@ class Slam:
                 f"the scan at {stamp:.3f} s has {len(cleaned.points)} usable points",
             )
             return None
+        gap = self._pace.gap(stamp)
+        if gap is not None:
+            self._notices.add("scans-missing", f"no scan for {gap:.2f} s before {stamp:.3f} s")
         return cleaned
+
+    def _times_of(self, cleaned: Cleaned, stamp: float, times: ArrayLike | None) -> Array | None:
+        """When (s before the stamp) each usable point was measured; None where that is unknown."""
+        if times is None:
+            return None
+        when = np.asarray(times, dtype=float)
+        if when.shape != cleaned.kept.shape or not np.isfinite(when).all():
+            self._notices.add(
+                "times-odd", f"the times of the scan at {stamp:.3f} s do not fit; not deskewed"
+            )
+            return None
+        out: Array = when[cleaned.kept]
+        return out
 
     def _expected_motion(self, stamp: float) -> tuple[Array, float, bool]:
         """Motion (4x4) since the last scan, the seconds since, and whether it was recorded.
