@@ -66,3 +66,8 @@ def test_what_lies_in_no_wall_has_no_place() -> None:
 def test_slivers_are_no_openings() -> None:
     found, _ = openings([thing(0, panel(4.0, 1.5, 1.7))], VIEWS, CONFIG)
     assert found == []
+
+
+def test_a_door_begins_near_the_floor() -> None:
+    found, _ = openings([thing(0, panel(4.0, 1.5, 2.4, 1.3, 2.1))], VIEWS, CONFIG)
+    assert found == []

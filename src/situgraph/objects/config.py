@@ -193,6 +193,14 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "m", "source": "docs/objects.md"},
         ),
     ] = 0.35
+    door_sill: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="what begins higher over the floor than this is no door",
+            extra={"unit": "m", "source": "docs/objects.md"},
+        ),
+    ] = 0.9
     extent_margin: Annotated[
         float,
         Meta(

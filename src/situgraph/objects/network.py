@@ -29,8 +29,9 @@ Chance = Annotated[float, Meta(ge=0, le=1)]
 class ModelCard(msgspec.Struct, frozen=True):
     """What ``rooms.json`` says: category of each channel, the chance from which it is taken.
 
-    The first channel is the background. ``frames`` and ``report`` tell what it was trained on and
-    how well it did; they are not needed to run it.
+    The first channel is the background. A category without a threshold is one that validation
+    showed it cannot tell: its pixels are nobody's. ``frames`` and ``report`` say what it was
+    trained on and how well it did; they are not needed to run it.
     """
 
     names: tuple[str, ...]
@@ -64,14 +65,16 @@ class NetworkDetector:
         self.config = config or NetworkConfig()
         self._model, self.card = _files(folder)
         self._session: Any = None
+        never = 2.0  # no chance is as large
         self._least = np.array(
-            [2.0, *(self.card.thresholds[name] for name in self.card.names[1:])], np.float32
+            [never, *(self.card.thresholds.get(name, never) for name in self.card.names[1:])],
+            np.float32,
         )
 
     @property
     def categories(self) -> frozenset[str]:
-        """The categories it was trained on."""
-        return frozenset(self.card.names[1:])
+        """The categories it can tell."""
+        return frozenset(self.card.thresholds)
 
     def detect(self, rgb: NDArray[np.uint8], stamp: float = 0.0) -> Sequence[Detection]:
         """The instances in an image (h, w, 3) uint8; ``stamp`` is not used."""
@@ -119,9 +122,9 @@ def _files(folder: Path | None) -> tuple[bytes, ModelCard]:
     try:
         text = card.read_bytes()[: MAX_CARD_BYTES + 1]
         known = msgspec.json.decode(text, type=ModelCard)
-        missing = set(known.names[1:]) - set(known.thresholds)
-        if len(known.names) < 2 or missing:
-            raise msgspec.ValidationError(f"no thresholds for {sorted(missing)}")
+        unknown = sorted(set(known.thresholds) - set(known.names[1:]))
+        if len(known.names) < 2 or unknown:
+            raise msgspec.ValidationError(f"no channels for {unknown}")
     except (msgspec.DecodeError, msgspec.ValidationError) as error:
         raise InputError(card.name, f"is no model card ({error})", "train it anew") from None
     return model.read_bytes(), known

@@ -85,7 +85,7 @@ def openings(
             found.append(stretch)
         elif found[met].category == stretch.category:
             found[met] = _united(found[met], stretch, views)
-    given = [_object(key, s, views) for key, s in _named(found) if _given_out(s, config)]
+    given = [_object(key, s, views) for key, s in _named(found) if _given_out(s, views, config)]
     return given, homeless
 
 
@@ -188,8 +188,11 @@ def _united(first: Stretch, second: Stretch, views: tuple[RoomView, ...]) -> Str
     )
 
 
-def _given_out(stretch: Stretch, config: ObjectsConfig) -> bool:
-    """Whether it was seen often enough, and large enough to be a door or a window."""
+def _given_out(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig) -> bool:
+    """Whether it was seen often enough, is large enough, and a door begins near the floor."""
+    raised = stretch.bottom - views[stretch.view].floor
+    if stretch.category == "door" and raised > config.door_sill:
+        return False
     return (
         stretch.seen >= config.min_seen
         and stretch.confidence >= config.min_confidence
