@@ -31,6 +31,7 @@ class Judgement(msgspec.Struct, frozen=True):
 
     ``placement_error`` is that of the best placement at the mean room centre, None without one;
     ``placement_right`` whether the true placement is the unique one, or one of several solutions.
+    ``ate_building_...``: of the trajectory in the building as coupled, nothing aligned.
     """
 
     ate_rmse: float
@@ -44,6 +45,8 @@ class Judgement(msgspec.Struct, frozen=True):
     true_storeys: int
     placement_error: float | None = None
     placement_right: bool | None = None
+    ate_building_rmse: float | None = None
+    ate_building_largest: float | None = None
 
 
 def judge(
@@ -87,8 +90,23 @@ def judged(run: Run, pipeline: Pipeline, log: str | Path) -> Run:
 
     if not has_truth(log) or not pipeline.slam.keyframes:
         return run
-    found = judge(pipeline.graph, pipeline.slam.trajectory(), read_truth(log), pipeline.result)
+    truth, trajectory = read_truth(log), pipeline.slam.trajectory()
+    found = judge(pipeline.graph, trajectory, truth, pipeline.result)
+    if pipeline.located is not None:
+        stamps, poses = trajectory
+        errors = building_errors(stamps, pipeline.located.carrier.trajectory(stamps, poses), truth)
+        found = msgspec.structs.replace(
+            found,
+            ate_building_rmse=float(np.sqrt(np.mean(errors**2))),
+            ate_building_largest=float(errors.max()),
+        )
     return msgspec.structs.replace(run, judgement=found)
+
+
+def building_errors(stamps: Array, poses: Array, truth: Truth) -> Array:
+    """Distances (n,) in metres of poses (n, 7) in the building from the truth; nothing aligned."""
+    i, j = associated(truth.stamps, stamps, 0.02)
+    return np.asarray(np.linalg.norm(poses[j, :3] - truth.poses[i, :3], axis=1))
 
 
 def _placement(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from situgraph.coupling import Deviation, Event
 from situgraph.judging import Judgement
 from situgraph.pipeline import Pipeline, State
 from situgraph.scenegraph.graph import Warning
@@ -27,7 +28,8 @@ class Run(msgspec.Struct, frozen=True):
 
     ``duration`` (s) is that of the log; ``seconds`` are the work's, by stage, ``reading``
     included; ``realtime`` is one divided by the other; ``located_at`` (s since the start) is when
-    the verdict became unique for good.
+    the match was found that is adopted at the end; ``events`` are all that were adopted, doubted
+    or withdrawn; ``deviations`` say what differs from the plan.
     """
 
     log: str
@@ -47,6 +49,8 @@ class Run(msgspec.Struct, frozen=True):
     realtime: float
     warnings: tuple[Warning, ...]
     judgement: Judgement | None = None
+    events: tuple[Event, ...] = ()
+    deviations: tuple[Deviation, ...] = ()
 
 
 def run_log(
@@ -92,20 +96,10 @@ def feed(pipeline: Pipeline, message: Message) -> bool:
     return False
 
 
-def located_since(pipeline: Pipeline) -> float | None:
-    """The stamp (s) from which the verdict was unique until the end; None where it is not."""
-    since = None
-    for state in pipeline.history:
-        if state.verdict != "unique":
-            since = None
-        elif since is None:
-            since = state.stamp
-    return since
-
-
 def _told(recording: Recording, pipeline: Pipeline, scans: int, total: float) -> Run:
     graph, result, spent = pipeline.graph, pipeline.result, pipeline.seconds
-    detector, since = pipeline.objects.detector, located_since(pipeline)
+    detector, located, locator = pipeline.objects.detector, pipeline.located, pipeline.locator
+    since = None if locator is None else locator.since
     start, duration = recording.info.start, recording.info.duration
     return Run(
         log=recording.info.name,
@@ -124,4 +118,6 @@ def _told(recording: Recording, pipeline: Pipeline, scans: int, total: float) ->
         seconds={**spent, "reading": max(total - sum(spent.values()), 0.0)},
         realtime=duration / max(total, 1e-9),
         warnings=(*recording.warnings, *pipeline.warnings),
+        events=() if locator is None else tuple(locator.events),
+        deviations=() if located is None else located.deviations,
     )

@@ -7,9 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import msgspec
-import numpy as np
-
-from situgraph.geometry.poses import Array, Placement, matrix_to_pose, pose_to_matrix
 
 if TYPE_CHECKING:
     from situgraph.config import Settings
@@ -29,7 +26,7 @@ def save_run(
 
     ``online.json`` (S-Graph in the map frame), ``trajectory.tum``, ``run.json``, ``settings.yaml``,
     ``log.txt``, ``map.png``; with a plan ``prior.json``, ``match.json``, ``history.png`` and
-    ``report.html``; once located ``trajectory_building.tum`` and ``track.png``.
+    ``report.html``; where a match is adopted also what ``run_building.save_located`` writes.
 
     Raises:
         InputError: the folder cannot be written to.
@@ -64,17 +61,10 @@ def _save_match(
     graph: SceneGraph,
     plan: SceneGraph,
 ) -> list[str]:
-    from situgraph.io.tum import write_tum
+    from situgraph.run_building import save_located, tell_located
     from situgraph.scenegraph.codec import write_json
     from situgraph.scenegraph.files import write_atomic
-    from situgraph.view import (
-        Status,
-        draw_history,
-        draw_match,
-        draw_track,
-        match_report,
-        save_figure,
-    )
+    from situgraph.view import Status, draw_history, draw_match, match_report, save_figure
 
     result, view = pipeline.result, settings.view
     assert result is not None
@@ -91,23 +81,16 @@ def _save_match(
         "history.png": lambda: draw_history(history),
     }
     names = ["prior.json", "match.json", "report.html"]
-    if result.unique and result.best is not None:
-        stamps, poses = pipeline.slam.trajectory()
-        placed = in_building(poses, result.best.transform)
-        write_tum(target / "trajectory_building.tum", stamps, placed)
-        names.append("trajectory_building.tum")
-        located = next((s.stamp for s in pipeline.history if s.verdict == "unique"), None)
-        figures["track.png"] = lambda: draw_track(
-            plan, stamps, placed[:, :3], view, located=located
-        )
+    if pipeline.located is not None:
+        names += save_located(target, run, pipeline, settings, plan)
     for name, draw in figures.items():
         save_figure(draw(), target / name, view.dpi)  # type: ignore[arg-type]
-    match_report(document, graph, plan, target / "report.html", timings=run.seconds, config=view)
+    match_report(
+        document,
+        graph,
+        plan,
+        target / "report.html",
+        sections=[lambda report: tell_located(report, run, pipeline, plan, settings)],
+        config=view,
+    )
     return [*names, *figures]
-
-
-def in_building(poses: Array, placement: Placement) -> Array:
-    """Poses (n, 7) of the map in the building frame."""
-    if not len(poses):
-        return np.empty((0, 7))
-    return matrix_to_pose(placement.matrix() @ pose_to_matrix(poses))

@@ -28,6 +28,7 @@ FLOORS: dict[str, float] = {
     "judging": 5,
     "run": 5,
     "run_folder": 5,
+    "run_building": 5,
     "experiments": 6,
     "cli": 7,
 }
@@ -44,6 +45,10 @@ NEIGHBOURS: set[tuple[str, str]] = {
     ("run_folder", "config"),
     ("run_folder", "pipeline"),
     ("run_folder", "run"),
+    ("run_folder", "run_building"),
+    ("run_building", "config"),
+    ("run_building", "pipeline"),
+    ("run_building", "run"),
     ("demo", "api"),
     ("demo", "config"),
 }

@@ -102,6 +102,14 @@ def show(run: Run) -> None:
             ("wall offset error", f"{100 * j.wall_offset_median:.1f} cm median (truth)"),
             ("rooms", f"precision {j.room_precision:.2f}, recall {j.room_recall:.2f} (truth)"),
         ]
+        if j.ate_building_rmse is not None and j.ate_building_largest is not None:
+            rows.append(
+                (
+                    "in the building",
+                    f"{j.ate_building_rmse:.3f} m rms, {j.ate_building_largest:.3f} m at most "
+                    "(truth)",
+                )
+            )
         if j.placement_error is not None:
             right = "right" if j.placement_right else "WRONG"
             rows.append(
@@ -112,9 +120,16 @@ def show(run: Run) -> None:
     print_table(run.log, ("", "value"), rows)
     for warning in run.warnings:
         console().print(f"warning: {warning.code}: {warning.message}", markup=False, soft_wrap=True)
+    if run.deviations:
+        lines = [(d.kind.replace("object", d.category), d.message) for d in run.deviations]
+        print_table("What differs from the plan", ("", "in words"), lines)
+    for event in run.events:
+        if event.happening in ("doubted", "withdrawn"):
+            text = f"{event.happening} with {event.rooms} rooms: {event.reason}"
+            console().print(text, markup=False, soft_wrap=True)
     if run.verdict is not None:
-        since = "" if run.located_at is None else f" since {run.located_at:.1f} s"
-        text = f"{run.verdict}{since}: {run.reason}"
+        since = "" if run.located_at is None else f"; located after {run.located_at:.1f} s"
+        text = f"{run.verdict}: {run.reason}{since}"
         console().print(text, markup=False, soft_wrap=True)
 
 
