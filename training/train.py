@@ -24,6 +24,7 @@ from torch import Tensor, nn
 
 CROP = (160, 208)  # rows, columns; crops see less at once and train three times faster
 IGNORE = 255
+LEAST_IOU = 0.3  # on validation frames; a category that is told worse is not offered
 
 
 def load(folder: Path, split: str) -> tuple[np.ndarray, np.ndarray]:
@@ -91,6 +92,11 @@ def scores(chance: np.ndarray, labels: np.ndarray, names: list[str]) -> dict:
         )
         found[name] = {"iou": round(best[0], 4), "threshold": round(best[1], 2)}
     return found
+
+
+def offered(validation: dict) -> dict[str, float]:
+    """The thresholds of the categories that the network can tell."""
+    return {k: v["threshold"] for k, v in validation.items() if v["iou"] >= LEAST_IOU}
 
 
 def fit(net: Net, folder: Path, epochs: int, batch: int, seed: int, names: list[str]) -> None:
@@ -163,7 +169,7 @@ def main() -> None:
         report[split] = scores(predict(net, images), np.asarray(labels), names)
     options.output.mkdir(parents=True, exist_ok=True)
     export(net, options.output / "rooms.onnx")
-    thresholds = {name: report["validation"][name]["threshold"] for name in names[1:]}
+    thresholds = offered(report["validation"])
     model = {"names": names, "thresholds": thresholds, "frames": card, "report": report}
     (options.output / "rooms.json").write_text(json.dumps(model, indent=1) + "\n")
     print(json.dumps(report, indent=1))

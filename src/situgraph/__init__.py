@@ -23,7 +23,10 @@ _HOME = {
     "load": "situgraph.api",
     "read_plan": "situgraph.api",
     "save": "situgraph.api",
+    "Sampler": "situgraph.plan.sampler",
+    "make_layout": "situgraph.plan.layouts",
     "MatchResult": "situgraph.matching",
+    "Matcher": "situgraph.matching",
     "PlanIndex": "situgraph.matching",
     "match": "situgraph.matching",
 }
@@ -32,15 +35,18 @@ __all__ = [
     "ConfigError",
     "InputError",
     "MatchResult",
+    "Matcher",
     "MissingExtraError",
     "Placement",
     "PlanIndex",
+    "Sampler",
     "SceneGraph",
     "Settings",
     "SituGraphError",
     "__version__",
     "load",
     "load_settings",
+    "make_layout",
     "match",
     "read_plan",
     "save",
@@ -51,7 +57,9 @@ if TYPE_CHECKING:
     from situgraph.config import Settings, load_settings
     from situgraph.errors import ConfigError, InputError, MissingExtraError, SituGraphError
     from situgraph.geometry.poses import Placement
-    from situgraph.matching import MatchResult, PlanIndex, match
+    from situgraph.matching import Matcher, MatchResult, PlanIndex, match
+    from situgraph.plan.layouts import make_layout
+    from situgraph.plan.sampler import Sampler
     from situgraph.scenegraph.graph import SceneGraph
 
 

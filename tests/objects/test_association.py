@@ -8,6 +8,8 @@ from situgraph.objects.association import ObjectMap, Observation
 from situgraph.objects.clusters import clusters, thin
 from situgraph.objects.config import ObjectsConfig
 
+ONCE = ObjectsConfig(min_seen=1)
+
 
 def panel(x: float, seed: int = 0, count: int = 400) -> np.ndarray:
     rng = np.random.default_rng(seed)
@@ -24,7 +26,7 @@ def pose(x: float, y: float, yaw: float) -> np.ndarray:
 
 
 def test_two_views_of_one_door_are_one_object() -> None:
-    world = ObjectMap()
+    world = ObjectMap(ONCE)
     for k, p in enumerate((pose(0, -2, 0.3), pose(1, -3, -0.4))):
         world.add(f"k{k}", p, [observed(panel(0.0, k), p)])
     (door,) = world.objects()
@@ -33,7 +35,7 @@ def test_two_views_of_one_door_are_one_object() -> None:
 
 
 def test_other_categories_and_other_places_stay_apart() -> None:
-    world = ObjectMap()
+    world = ObjectMap(ONCE)
     p = pose(0, 0, 0)
     panels = [observed(panel(x), p, c) for x, c in ((0.0, "door"), (0.1, "window"), (3.0, "door"))]
     world.add("k0", p, panels)
@@ -41,7 +43,7 @@ def test_other_categories_and_other_places_stay_apart() -> None:
 
 
 def test_objects_follow_their_keyframe_when_it_is_corrected() -> None:
-    world = ObjectMap()
+    world = ObjectMap(ONCE)
     world.add("k0", pose(0, 0, 0), [observed(panel(2.0), pose(0, 0, 0))])
     correction = Placement(0.5, -0.2, 0.0, 0.1)
     before = np.array(world.objects()[0].center)
@@ -50,7 +52,7 @@ def test_objects_follow_their_keyframe_when_it_is_corrected() -> None:
 
 
 def test_duplicates_merge_when_a_correction_brings_them_together() -> None:
-    world = ObjectMap()
+    world = ObjectMap(ONCE)
     world.add("k0", pose(0, 0, 0), [observed(panel(0.0), pose(0, 0, 0))])
     drifted = pose(3, 0, 0)
     true = pose(0, 0, 0)
@@ -62,7 +64,7 @@ def test_duplicates_merge_when_a_correction_brings_them_together() -> None:
 
 
 def test_an_object_that_is_never_seen_again_loses_confidence() -> None:
-    world = ObjectMap()
+    world = ObjectMap(ONCE)
     p = pose(0, 0, 0)
     tracks = world.add("k0", p, [observed(panel(0.0), p)])
     first = world.objects()[0].confidence
@@ -86,7 +88,7 @@ def test_memory_is_bounded_by_the_objects_not_by_the_frames() -> None:
 
 def test_the_order_of_categories_does_not_matter() -> None:
     parts = {"window": [(0.8, panel(3.0))], "door": [(0.9, panel(0.0)), (0.7, panel(0.3))]}
-    world = ObjectMap()
+    world = ObjectMap(ONCE)
     forward = world.observations(parts)
     backward = world.observations(dict(reversed(parts.items())))
     assert [o.category for o in forward] == [o.category for o in backward] == ["door", "window"]

@@ -35,7 +35,7 @@ def test_glass_takes_the_plane_of_the_wall_around_it() -> None:
     depth[200:220, 220:260] = 4.0  # something behind the glass
     (cloud,) = labelled_clouds(depth, CAMERA, [Detection(mask, "window", 0.8)], CONFIG)
     assert np.allclose(cloud.points[:, 2], 2.0, atol=0.01)
-    assert len(cloud.points) > 20_000
+    assert len(cloud.points) > 5_000  # of 7500 pixels that are looked at
 
 
 def test_far_pixels_and_depth_edges_are_not_used() -> None:

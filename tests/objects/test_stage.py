@@ -4,9 +4,11 @@ import numpy as np
 from tests.objects.world import two_rooms
 
 from situgraph.geometry.poses import Placement
+from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
 from situgraph.objects.stage import ObjectStage, View
 
+ONCE = ObjectsConfig(min_seen=1)
 CAMERA = Camera(386.0, 386.0, 319.5, 239.5)
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=float)
 DOOR = ((4.0, 1.55, 0.0), (4.0, 2.45, 2.1))  # on the wall x = 4 of room a
@@ -42,7 +44,7 @@ def view(key: str, x: float, y: float, yaw: float, blind: bool = False) -> View:
 
 
 def test_a_door_seen_from_two_sides_is_one_object_with_both_rooms() -> None:
-    stage = ObjectStage(Painted())
+    stage = ObjectStage(Painted(), ONCE)
     assert stage.feed(view("k0", 1.5, 2.0, 0.0)) == 1
     assert stage.feed(view("k1", 1.8, 2.8, -0.3)) == 1
     (door,) = stage.annotated(two_rooms(), np.zeros((0, 3))).objects
@@ -52,12 +54,20 @@ def test_a_door_seen_from_two_sides_is_one_object_with_both_rooms() -> None:
 
 
 def test_the_passage_and_the_picture_of_a_door_are_one_object() -> None:
-    stage = ObjectStage(Painted())
+    stage = ObjectStage(Painted(), ONCE)
     stage.feed(view("k0", 1.5, 2.0, 0.0))
     path = np.array([[2.0, 2.1, 0.5], [6.0, 2.1, 0.5]])
     (door,) = stage.annotated(two_rooms(), path).objects
     assert door.attributes["evidence"] == "vision,trajectory"
     assert np.allclose(door.center[:2], (4.1, 2.1))
+
+
+def test_one_sighting_alone_is_no_object() -> None:
+    stage = ObjectStage(Painted())
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    assert stage.annotated(two_rooms(), np.zeros((0, 3))).objects == ()
+    stage.feed(view("k1", 1.5, 2.1, 0.0))
+    assert len(stage.annotated(two_rooms(), np.zeros((0, 3))).objects) == 1
 
 
 def test_without_a_camera_doorways_are_still_found() -> None:
@@ -68,7 +78,7 @@ def test_without_a_camera_doorways_are_still_found() -> None:
 
 
 def test_an_object_that_frames_should_show_and_do_not_fades() -> None:
-    stage = ObjectStage(Painted())
+    stage = ObjectStage(Painted(), ONCE)
     stage.feed(view("k0", 1.5, 2.0, 0.0))
     for _ in range(8):
         stage.feed(view("k0", 1.5, 2.0, 0.0, blind=True))
@@ -76,15 +86,15 @@ def test_an_object_that_frames_should_show_and_do_not_fades() -> None:
 
 
 def test_looking_elsewhere_takes_nothing_away() -> None:
-    stage = ObjectStage(Painted())
+    stage = ObjectStage(Painted(), ONCE)
     stage.feed(view("k0", 1.5, 2.0, 0.0))
     for _ in range(8):
-        stage.feed(view("k0", 1.5, 2.0, 1.2, blind=True))
+        stage.feed(view("k1", 1.5, 2.0, 1.2, blind=True))
     assert len(stage.annotated(two_rooms(), np.zeros((0, 3))).objects) == 1
 
 
 def test_objects_move_with_their_keyframes() -> None:
-    stage = ObjectStage(Painted())
+    stage = ObjectStage(Painted(), ONCE)
     stage.feed(view("k0", 1.5, 2.0, 0.0))
     before = np.array(stage.map.objects()[0].center)
     shift = Placement(0.1, 0.3, 0.0, 0.0)

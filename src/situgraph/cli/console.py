@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Protocol
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 
 WHOLE_NAME = 40  # characters
+LOG_WIDTH = 140  # characters
 
 
 class Advance(Protocol):
@@ -26,7 +28,9 @@ def console() -> Console:
     """A rich console on stderr: stdout belongs to results."""
     from rich.console import Console
 
-    return Console(stderr=True, highlight=False)
+    # A log file has no width of its own; rich would take 80 and fold wide tables.
+    width = None if sys.stderr.isatty() or "COLUMNS" in os.environ else LOG_WIDTH
+    return Console(stderr=True, highlight=False, width=width)
 
 
 def emit_json(value: Any) -> None:

@@ -70,6 +70,7 @@ def command(
 ) -> None:
     """Run an experiment; a run that was interrupted continues where it stopped."""
     from situgraph.experiments.runner import RunOptions
+    from situgraph.experiments.tables import summary_tables
 
     folder = output or Path("results") / name
     parameters = dict(_parameter(text) for text in extra)
@@ -82,9 +83,9 @@ def command(
     if as_json:
         emit_json(result.to_dict())
         return
-    print_table(
-        f"{name}: {len(result.rows)} rows, seed {seed}", ("figure", "value"), _figures(result)
-    )
+    click.echo(f"{name}: {len(result.rows)} rows, seed {seed}", err=True)
+    for table in summary_tables(result.summary):
+        print_table(table.title, [c.replace("_", " ") for c in table.columns], table.rows)
     click.echo("written: " + ", ".join(str(path) for path in written), err=True)
 
 
@@ -101,18 +102,3 @@ def _parameter(text: str) -> tuple[str, Any]:
     if not equals:
         raise click.UsageError(f"--extra {text}: expected KEY=VALUE")
     return key.replace("-", "_"), yaml.safe_load(value)
-
-
-def _figures(result: ExperimentResult) -> list[tuple[str, object]]:
-    """The summary as one line a figure."""
-    lines: list[tuple[str, object]] = []
-
-    def walk(prefix: str, value: Any) -> None:
-        if isinstance(value, dict):
-            for key, inner in value.items():
-                walk(f"{prefix} / {key}" if prefix else str(key), inner)
-        else:
-            lines.append((prefix, value))
-
-    walk("", result.summary)
-    return lines

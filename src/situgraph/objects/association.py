@@ -11,11 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from situgraph.geometry import ellipsoids
 from situgraph.geometry.poses import Array
-from situgraph.objects.clusters import clusters, thin
+from situgraph.objects.clusters import clusters, pooled, thin
 from situgraph.objects.config import ObjectsConfig
+from situgraph.objects.relations import TWO_SIDED
 from situgraph.scenegraph.graph import Ellipsoid, Object
 
 
@@ -30,12 +32,16 @@ class Observation:
 
 @dataclass(eq=False)
 class Track:
-    """One object: its points in the frame of its anchor keyframe, and how often it was seen."""
+    """One object: its points in the frame of its anchor keyframe, and how often it was seen.
+
+    ``hits`` (n,) counts the frames that saw each point.
+    """
 
     number: int
     category: str
     anchor: str
     points: Array
+    hits: Array
     seen: int = 0
     expected: int = 0
     score: float = 0.0
@@ -44,8 +50,21 @@ class Track:
 
     @property
     def confidence(self) -> float:
-        """Mean of the Beta posterior of being seen when it should be, times the mean score."""
-        return (1.0 + self.seen) / (2.0 + max(self.seen, self.expected)) * self.score / self.seen
+        """See ``confidence``."""
+        return confidence(self.seen, self.expected, self.score)
+
+    def core(self, share: float) -> NDArray[np.bool_]:
+        """Which points were seen at least ``share`` as often as those that were seen most."""
+        core: NDArray[np.bool_] = self.hits >= share * np.quantile(self.hits, 0.9)
+        return core
+
+
+def confidence(seen: int, expected: int, score: float) -> float:
+    """Mean of the Beta posterior of being seen when it should be, times the mean score.
+
+    ``score`` is the sum of the scores of the ``seen`` sightings.
+    """
+    return (1.0 + seen) / (2.0 + max(seen, expected)) * score / seen
 
 
 class ObjectMap:
@@ -81,7 +100,8 @@ class ObjectMap:
         self._poses[keyframe] = np.asarray(pose, dtype=float)
         became = []
         for observation in observations:
-            new = Track(self._next, observation.category, keyframe, observation.points)
+            hits = np.ones(len(observation.points))
+            new = Track(self._next, observation.category, keyframe, observation.points, hits)
             new.seen, new.score = 1, observation.score
             self._next += 1
             self._refit(new)
@@ -107,8 +127,11 @@ class ObjectMap:
 
     def nodes(self) -> tuple[tuple[Track, Object], ...]:
         """The objects of enough confidence with their scene-graph nodes, without relations."""
-        least = self.config.min_confidence
-        return tuple((t, _node(t)) for t in self._tracks if t.confidence >= least)
+        c = self.config
+        sure = [
+            t for t in self._tracks if t.confidence >= c.min_confidence and t.seen >= c.min_seen
+        ]
+        return tuple((t, _node(t)) for t in sure)
 
     def objects(self) -> tuple[Object, ...]:
         """The scene-graph nodes alone."""
@@ -123,7 +146,7 @@ class ObjectMap:
     def _merge(self, new: Track) -> Track:
         """Unite ``new`` with every object of its category that it overlaps, the oldest first."""
         while True:
-            met = next((t for t in self._tracks if t is not new and _overlap(t, new)), None)
+            met = next((t for t in self._tracks if t is not new and self._meets(t, new)), None)
             if met is None:
                 break
             older, younger = (met, new) if met.number < new.number else (new, met)
@@ -134,14 +157,32 @@ class ObjectMap:
         self._tracks.sort(key=lambda t: t.number)
         return new
 
+    def _meets(self, first: Track, second: Track) -> bool:
+        """Same category and a shared point; what stands free is grown, since each view shows only
+        the side that it faces.
+        """  # noqa: D205
+        if first.category != second.category:
+            return False
+        grown = 0.0 if first.category in TWO_SIDED else self.config.merge_reach
+        offset = second.center - first.center
+        reach = np.sqrt(np.trace(first.shape)) + np.sqrt(np.trace(second.shape)) + 2.0 * grown
+        if float(offset @ offset) > float(reach) ** 2:
+            return False
+        first_shape, second_shape = (_grown(t.shape, grown) for t in (first, second))
+        return ellipsoids.overlap(offset, first_shape, second_shape)
+
     def _absorb(self, older: Track, younger: Track) -> None:
         change = np.linalg.solve(self._poses[older.anchor], self._poses[younger.anchor])
         moved = younger.points @ change[:3, :3].T + change[:3, 3]
-        points = thin(np.concatenate([older.points, moved]), self.config.voxel)
+        points, hits = pooled(
+            np.concatenate([older.points, moved]),
+            np.concatenate([older.hits, younger.hits]),
+            self.config.voxel,
+        )
         if len(points) > self.config.max_object_points:
-            keep = np.linspace(0, len(points) - 1, self.config.max_object_points).astype(int)
-            points = points[keep]
-        older.points = points
+            most = np.argsort(-hits, kind="stable")[: self.config.max_object_points]
+            points, hits = points[np.sort(most)], hits[np.sort(most)]
+        older.points, older.hits = points, hits
         older.seen += younger.seen
         older.expected += younger.expected
         older.score += younger.score
@@ -149,7 +190,9 @@ class ObjectMap:
 
     def _refit(self, track: Track) -> None:
         track.center, track.shape = ellipsoids.fit(
-            self.points(track), self.config.ellipsoid_floor, self.config.stray_share
+            self.points(track)[track.core(self.config.core_share)],
+            self.config.ellipsoid_floor,
+            self.config.stray_share,
         )
 
     def _forget_poses(self) -> None:
@@ -157,14 +200,13 @@ class ObjectMap:
         self._poses = {k: p for k, p in self._poses.items() if k in used}
 
 
-def _overlap(first: Track, second: Track) -> bool:
-    if first.category != second.category:
-        return False
-    offset = second.center - first.center
-    reach = np.sqrt(np.trace(first.shape)) + np.sqrt(np.trace(second.shape))
-    if float(offset @ offset) > float(reach) ** 2:
-        return False
-    return ellipsoids.overlap(offset, first.shape, second.shape)
+def _grown(shape: Array, by: float) -> Array:
+    """The ellipsoid with semi-axes longer by ``by`` (m)."""
+    if by == 0.0:
+        return shape
+    values, vectors = np.linalg.eigh(shape)
+    out: Array = vectors @ np.diag((np.sqrt(values) + by) ** 2) @ vectors.T
+    return out
 
 
 def _node(track: Track) -> Object:

@@ -20,7 +20,7 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
 
 GLASS = frozenset({"window"})
-RING_POINTS = 30  # fewest ring pixels that carry a plane
+RING_POINTS = 20  # fewest ring pixels that carry a plane
 PLANE_ROUNDS = 3  # of trimming in the plane fit
 
 
@@ -33,6 +33,18 @@ class LabelledCloud:
     points: Array
 
 
+@dataclass(frozen=True, eq=False)
+class _Sparse:
+    """A depth image thinned to every so-manieth pixel, and what goes with it."""
+
+    z: Array
+    good: NDArray[np.bool_]
+    camera: Camera
+    reach: float
+    erosion: int
+    ring: int
+
+
 def labelled_clouds(
     depth: NDArray[np.float32],
     camera: Camera,
@@ -41,13 +53,23 @@ def labelled_clouds(
 ) -> list[LabelledCloud]:
     """The points of each detection in a depth image (h, w), metres, 0 where there is none.
 
-    Detections without usable points are left out.
+    Every ``config.pixel_step``-th pixel is looked at. Detections without usable points are left
+    out.
     """
-    z = np.asarray(depth, dtype=float)
-    good = usable(z, camera, config)
+    step = config.pixel_step
+    z = np.asarray(depth)[::step, ::step].astype(float)
+    reach = max_range(camera, config)
+    image = _Sparse(
+        z,
+        usable(z, reach, config.depth_step),
+        Camera(camera.fx / step, camera.fy / step, camera.cx / step, camera.cy / step),
+        reach,
+        round(config.mask_erosion / step),
+        max(2, round(config.ring_width / step)),
+    )
     clouds = []
     for detection in detections:
-        points = _points(z, good, camera, detection, config)
+        points = _points(image, detection.mask[::step, ::step], detection.category)
         if len(points):
             clouds.append(LabelledCloud(detection.category, detection.score, points))
     return clouds
@@ -60,73 +82,50 @@ def max_range(camera: Camera, config: ObjectsConfig) -> float:
     )
 
 
-def usable(z: Array, camera: Camera, config: ObjectsConfig) -> NDArray[np.bool_]:
-    """Pixels with a finite depth in range that lie on no depth edge."""
+def usable(z: Array, reach: float, largest_step: float) -> NDArray[np.bool_]:
+    """Pixels with a finite depth (m) within ``reach`` that lie on no depth edge.
+
+    An edge is a jump between neighbours by more than ``largest_step`` of the depth.
+    """
     finite = np.isfinite(z) & (z > 0.0)
     filled = np.where(finite, z, 0.0)
     step = ndimage.maximum_filter(filled, 3) - ndimage.minimum_filter(
         np.where(finite, z, np.inf), 3
     )
-    good: NDArray[np.bool_] = (
-        finite & (filled < max_range(camera, config)) & (step < config.depth_step * filled)
-    )
+    good: NDArray[np.bool_] = finite & (filled < reach) & (step < largest_step * filled)
     return good
 
 
-def _points(
-    z: Array,
-    good: NDArray[np.bool_],
-    camera: Camera,
-    detection: Detection,
-    config: ObjectsConfig,
-) -> Array:
-    """The points of one detection; only the image part around its mask is looked at."""
-    rows, columns = np.any(detection.mask, axis=1), np.any(detection.mask, axis=0)
+def _points(image: _Sparse, whole: NDArray[np.bool_], category: str) -> Array:
+    """The points of one mask; only the image part around it is looked at."""
+    rows, columns = np.any(whole, axis=1), np.any(whole, axis=0)
     if not rows.any():
         return np.zeros((0, 3))
-    border = config.ring_width + 1
+    border = image.ring + 1
     (top, bottom), (left, right) = (
         (int(np.argmax(line)), len(line) - int(np.argmax(line[::-1]))) for line in (rows, columns)
     )
-    window = (
-        slice(max(0, top - border), bottom + border),
-        slice(max(0, left - border), right + border),
-    )
-    mask = detection.mask[window]
-    v, u = np.mgrid[window[0].start : window[0].start + mask.shape[0],
-                    window[1].start : window[1].start + mask.shape[1]]  # fmt: skip
-    rays = np.stack(
-        [(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones(mask.shape)], axis=-1
-    )
-    core = (
-        ndimage.binary_erosion(mask, iterations=config.mask_erosion)
-        if config.mask_erosion
-        else mask
-    )
-    if detection.category in GLASS:
-        return _on_wall(
-            rays, z[window], good[window], mask, core, config, max_range(camera, config)
-        )
-    pick = core & good[window]
-    points: Array = rays[pick] * z[window][pick][:, None]
+    top, left = max(0, top - border), max(0, left - border)
+    window = (slice(top, bottom + border), slice(left, right + border))
+    mask = whole[window]
+    v, u = np.mgrid[top : top + mask.shape[0], left : left + mask.shape[1]]
+    k = image.camera
+    rays = np.stack([(u - k.cx) / k.fx, (v - k.cy) / k.fy, np.ones(mask.shape)], axis=-1)
+    core = ndimage.binary_erosion(mask, iterations=image.erosion) if image.erosion else mask
+    z, good = image.z[window], image.good[window]
+    if category in GLASS:
+        around = ndimage.binary_dilation(mask, iterations=image.ring)
+        return _on_wall(rays, z, good & around & ~ndimage.binary_dilation(mask), core, image.reach)
+    pick = core & good
+    points: Array = rays[pick] * z[pick][:, None]
     return points
 
 
 def _on_wall(
-    rays: Array,
-    z: Array,
-    good: NDArray[np.bool_],
-    mask: NDArray[np.bool_],
-    core: NDArray[np.bool_],
-    config: ObjectsConfig,
-    reach: float,
+    rays: Array, z: Array, ring: NDArray[np.bool_], core: NDArray[np.bool_], reach: float
 ) -> Array:
     """The mask's rays cut with the plane of the wall around it (none if no plane is seen there)."""
-    ring = ndimage.binary_dilation(mask, iterations=config.ring_width) & ~ndimage.binary_dilation(
-        mask
-    )
-    wall = rays[ring & good] * z[ring & good][:, None]
-    plane = _plane(wall)
+    plane = _plane(rays[ring] * z[ring][:, None])
     if plane is None:
         return np.zeros((0, 3))
     normal, offset = plane

@@ -9,15 +9,21 @@ from situgraph.geometry.poses import Array
 
 def thin(points: Array, voxel: float) -> Array:
     """One point, the mean, for each occupied voxel of side ``voxel`` (m), in voxel order."""
+    return pooled(points, np.ones(len(points)), voxel)[0]
+
+
+def pooled(points: Array, hits: Array, voxel: float) -> tuple[Array, Array]:
+    """The weighted mean of the points (n, 3) in each voxel (m), and the sum of their hits (n,)."""
     if len(points) == 0:
-        return points
-    _, inverse, counts = np.unique(
-        np.floor(points / voxel).astype(np.int64), axis=0, return_inverse=True, return_counts=True
-    )
-    inverse = inverse.reshape(-1)
-    sums = np.stack([np.bincount(inverse, points[:, k]) for k in range(3)], axis=1)
-    means: Array = sums / counts[:, None]
-    return means
+        return points, hits
+    cells = np.floor(points / voxel).astype(np.int64)
+    cells -= cells.min(axis=0)
+    spans = cells.max(axis=0) + 1
+    keys = (cells[:, 0] * spans[1] + cells[:, 1]) * spans[2] + cells[:, 2]
+    _, inverse = np.unique(keys, return_inverse=True)
+    total: Array = np.bincount(inverse, hits).astype(float)
+    sums = np.stack([np.bincount(inverse, points[:, k] * hits) for k in range(3)], axis=1)
+    return sums / total[:, None], total
 
 
 def clusters(points: Array, gap: float, smallest: int) -> list[Array]:

@@ -11,6 +11,15 @@ from msgspec import Meta
 class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Settings of the objects stage."""
 
+    pixel_step: Annotated[
+        int,
+        Meta(
+            ge=1,
+            le=8,
+            description="every so-manieth pixel of depth and masks is used, both ways",
+            extra={"unit": "px", "source": "docs/objects.md"},
+        ),
+    ] = 2
     max_depth_sigma: Annotated[
         float,
         Meta(
@@ -47,7 +56,7 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
         int,
         Meta(
             ge=0,
-            description="mask border that is not trusted",
+            description="mask border that is not trusted (in the image as it came)",
             extra={"unit": "px", "source": "docs/objects.md"},
         ),
     ] = 2
@@ -100,6 +109,31 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "1", "source": "docs/objects.md"},
         ),
     ] = 0.02
+    merge_reach: Annotated[
+        float,
+        Meta(
+            ge=0,
+            description="ellipsoids of things that stand free are grown by this when compared",
+            extra={"unit": "m", "source": "docs/objects.md"},
+        ),
+    ] = 0.1
+    core_share: Annotated[
+        float,
+        Meta(
+            ge=0,
+            lt=1,
+            description="points seen in fewer frames than this share of the most seen are left out",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 0.2
+    min_seen: Annotated[
+        int,
+        Meta(
+            ge=1,
+            description="frames that must have shown an object before it is given out",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 2
     max_object_points: Annotated[
         int,
         Meta(
@@ -142,6 +176,31 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "m", "source": "docs/objects.md"},
         ),
     ] = 0.6
+    opening_overlap: Annotated[
+        float,
+        Meta(
+            gt=0,
+            le=1,
+            description="openings that share this much of the narrower one are the same",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 0.3
+    opening_width: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="what is seen of a door or window must be at least this wide and high",
+            extra={"unit": "m", "source": "docs/objects.md"},
+        ),
+    ] = 0.35
+    door_sill: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="what begins higher over the floor than this is no door",
+            extra={"unit": "m", "source": "docs/objects.md"},
+        ),
+    ] = 0.9
     extent_margin: Annotated[
         float,
         Meta(

@@ -21,6 +21,8 @@ from situgraph.scenegraph.graph import Object, Plane, Room, SceneGraph
 
 TWO_SIDED = frozenset({"door", "window"})
 STEP = 0.05  # m; from a face into its room, where the face is probed
+LONGER = 1.5  # length over depth, in the plan, from which a thing has a front
+ALONG = 0.7  # cosine between its depth and a wall's normal, from which it can hang there
 
 
 @dataclass(frozen=True)
@@ -63,11 +65,30 @@ class RoomView:
         found: NDArray[np.bool_] = contains_xy(grown, points[:, 0], points[:, 1])
         return found
 
-    def faces(self, point: Array, config: ObjectsConfig) -> list[tuple[float, int]]:
-        """The faces a wall-mounted object at ``point`` (3,) may be on: (signed distance, index)."""
+    def outside(self, points: Array) -> Array:
+        """How far (m) each point (n, 3) lies outside the room in the plan, 0 inside."""
+        if self.room.footprint is not None:
+            import shapely
+
+            away: Array = shapely.distance(
+                shapely.Polygon(self.room.footprint), shapely.points(points[:, :2])
+            )
+            return away
+        behind = points @ self.normals.T + self.offsets
+        worst: Array = np.maximum(-behind.min(axis=1, initial=0.0), 0.0)
+        return worst
+
+    def faces(self, item: Object, config: ObjectsConfig) -> list[tuple[float, int]]:
+        """The faces a wall-mounted object may be on: (signed distance of its centre, index).
+
+        A thing that is longer than deep, seen from above, is on no wall that it stands across.
+        """
+        point, thin = np.array(item.center), _thin_direction(item)
         distance = self.normals @ point + self.offsets
         found = []
         for i in np.argsort(np.abs(distance), kind="stable"):
+            if thin is not None and abs(float(self.normals[i] @ thin)) < ALONG:
+                continue
             foot = point - (distance[i] - STEP) * self.normals[i]
             if not self._within_extent(int(i), foot, config.extent_margin):
                 continue
@@ -106,15 +127,46 @@ def room_views(graph: SceneGraph, config: ObjectsConfig) -> tuple[RoomView, ...]
 
 
 def room_of(points: Array, views: Iterable[RoomView], margin: float) -> list[int | None]:
-    """For each point (n, 3) the index of the view whose room holds it; the nearest centre wins."""
+    """For each point (n, 3) the index of the view whose room holds it.
+
+    Of several, the one that it is least outside of, then the one with the nearest centre.
+    """
     views = tuple(views)
-    best = np.full(len(points), np.inf)
+    best = np.full((len(points), 2), np.inf)
     found: list[int | None] = [None] * len(points)
     for k, view in enumerate(views):
-        distance = np.linalg.norm(points[:, :2] - np.array(view.room.center)[:2], axis=1)
-        for i in np.flatnonzero(view.sees(points, margin) & (distance < best)):
-            best[i], found[i] = distance[i], k
+        held = np.flatnonzero(view.sees(points, margin))
+        if not len(held):
+            continue
+        away = np.round(view.outside(points[held]), 3)
+        distance = np.linalg.norm(points[held, :2] - np.array(view.room.center)[:2], axis=1)
+        for i, rank in zip(held.tolist(), zip(away.tolist(), distance.tolist())):
+            if rank < tuple(best[i]):
+                best[i], found[i] = rank, k
     return found
+
+
+def _thin_direction(item: Object) -> Array | None:
+    """The level direction (3,) of a thing's depth; None where it is as deep as long, or unknown."""
+    if item.ellipsoid is None:
+        return None
+    from situgraph.geometry.ellipsoids import shape_matrix
+
+    shape = shape_matrix(item.ellipsoid.axes, item.ellipsoid.rotation)[:2, :2]
+    values, vectors = np.linalg.eigh(shape)
+    if values[1] < LONGER**2 * values[0]:
+        return None
+    return np.array([*vectors[:, 0], 0.0])
+
+
+def _reach(item: Object, normal: Array) -> float:
+    """How far (m) a thing's ellipsoid reaches from its centre along a wall's normal."""
+    if item.ellipsoid is None:
+        return 0.0
+    from situgraph.geometry.ellipsoids import shape_matrix
+
+    shape = shape_matrix(item.ellipsoid.axes, item.ellipsoid.rotation)
+    return float(np.sqrt(normal @ shape @ normal))
 
 
 def relate(item: Object, views: tuple[RoomView, ...], config: ObjectsConfig) -> Object:
@@ -125,7 +177,7 @@ def relate(item: Object, views: tuple[RoomView, ...], config: ObjectsConfig) -> 
     """
     point = np.array(item.center)
     if item.category in TWO_SIDED:
-        hosts = _hosts(point, views, config)
+        hosts = _hosts(item, views, config)
         if hosts:
             rooms = tuple(views[k].room.id for k, _, _ in hosts)
             planes = tuple(views[k].planes[i].id for k, i, _ in hosts)
@@ -136,21 +188,30 @@ def relate(item: Object, views: tuple[RoomView, ...], config: ObjectsConfig) -> 
     view = views[inside]
     on: tuple[str, ...] = ()
     if item.category in WALL_MOUNTED:
-        near = [(abs(d), i) for d, i in view.faces(point, config) if abs(d) < config.wall_distance]
+        near = [
+            (gap, i)
+            for d, i in view.faces(item, config)
+            if (gap := abs(d) - _reach(item, view.normals[i])) < config.wall_distance
+        ]
         on = (view.planes[min(near)[1]].id,) if near else ()
     return msgspec.structs.replace(item, rooms=(view.room.id,), planes=on)
 
 
 def _hosts(
-    point: Array, views: tuple[RoomView, ...], config: ObjectsConfig
+    item: Object, views: tuple[RoomView, ...], config: ObjectsConfig
 ) -> list[tuple[int, int, float]]:
-    """The nearest face near ``point``, and that of the room behind the wall if there is one."""
+    """The nearest face near an opening, and that of the room behind the wall if there is one.
+
+    An opening's middle lies in its wall, so it may be half a wall farther behind a face than it
+    may be before it.
+    """
     near = []
     for k, view in enumerate(views):
-        for distance, i in view.faces(point, config):
-            near.append((abs(distance), k, i, distance))
+        for distance, i in view.faces(item, config):
+            if -config.wall_distance - config.wall_thickness / 2 < distance < config.wall_distance:
+                near.append((abs(distance), k, i, distance))
     near.sort()
-    if not near or near[0][0] >= config.wall_distance:
+    if not near:
         return []
     _, k0, i0, d0 = near[0]
     hosts = [(k0, i0, d0)]

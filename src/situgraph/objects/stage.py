@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,9 +14,9 @@ from situgraph.objects.cloud import labelled_clouds, max_range
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.doorways import doorways
-from situgraph.objects.hosting import host, place
+from situgraph.objects.openings import Seen, openings
 from situgraph.objects.reconcile import reconciled
-from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_views
+from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
 from situgraph.scenegraph.graph import Object, SceneGraph
 
 NEAR = 0.6  # m; what is closer fills the image and is not expected to be recognised
@@ -77,23 +76,36 @@ class ObjectStage:
         the LiDAR saw in walls, as objects of category ``door``.
         """
         views = room_views(graph, self.config)
-        seen = [self._placed(t, o, views) for t, o in self.map.nodes()]
+        seen = [relate(o, views, self.config) for o in self._placed(views)]
         passages = doorways(path, graph, self.config)
         objects = reconciled(seen, passages, graph, self.config)
         hanging = [relate(g, views, self.config) for g in gaps]
         objects = reconciled(objects, [g for g in hanging if g.rooms], graph, self.config)
         return graph.replace(objects=objects)
 
-    def _placed(self, track: Track, item: Object, views: tuple[RoomView, ...]) -> Object:
-        """An object with its relations; doors and windows sit where their wall is."""
-        if item.category in TWO_SIDED:
-            points = self.map.points(track)
-            found = host(points, views)
-            if found is not None:
-                k, i = found
-                x, y, z = (float(v) for v in place(points, views[k], i))
-                item = msgspec.structs.replace(item, center=(x, y, z))
-        return relate(item, views, self.config)
+    def _placed(self, views: tuple[RoomView, ...]) -> list[Object]:
+        """The objects; doors and windows are placed in their walls, whatever their confidence.
+
+        One that lies in no wall of the room that holds it is none; where no room is known yet it
+        stays as it was seen.
+        """
+        flat = [t for t in self.map.tracks if t.category in TWO_SIDED]
+        found, homeless = openings([self._seen(t) for t in flat], views, self.config)
+        lost = {t.number: room_of(t.center[None], views, 0.0)[0] for t in flat
+                if t.number in set(homeless)}  # fmt: skip
+        free = [
+            node
+            for track, node in self.map.nodes()
+            if track.category not in TWO_SIDED
+            or (track.number in lost and lost[track.number] is None)
+        ]
+        return [*found, *free]
+
+    def _seen(self, track: Track) -> Seen:
+        return Seen(
+            track.number, track.category, self.map.points(track), track.hits,
+            track.seen, track.expected, track.score,
+        )  # fmt: skip
 
     def _expected(self, view: View) -> list[Track]:
         """The known objects that this frame should show: in the image, in range, not hidden."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from situgraph.geometry.poses import Array
 from situgraph.slam.cloud import moved, thin
-from situgraph.slam.config import OdometryConfig
+from situgraph.slam.input_config import OdometryConfig
 from situgraph.slam.motion import inverse, size, tidy
 from situgraph.slam.odometry import Step
 
@@ -33,7 +33,7 @@ class Gicp:
         self._sides = np.empty((0, 3))  # which way each point of the target faces
         self._anchor = np.eye(4)
 
-    def register(self, points: Array, sensor: Array, guess: Array) -> Step:
+    def register(self, points: Array, sensor: Array, guess: Array, reach: float) -> Step:
         """Align with the submap; where that fails the guess stands and a new submap begins."""
         import small_gicp
 
@@ -48,8 +48,8 @@ class Gicp:
             return Step(guess, True, 1.0)
         cloud = self._facing(cloud, thinned, normals, guess)
         step = self._closing_in(cloud, guess, c.reach)
-        if not step.trusted:
-            step = self._closing_in(cloud, guess, c.wide_reach)
+        if not step.trusted and reach > c.reach:
+            step = self._closing_in(cloud, guess, reach)
         if not step.trusted:
             self._extend(guess, thinned, normals, fresh=True)
             return Step(guess, False, step.fit)

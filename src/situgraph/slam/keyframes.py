@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
 from situgraph.slam.cloud import thin
-from situgraph.slam.config import KeyframeConfig, SlamConfig
+from situgraph.slam.config import SlamConfig
 from situgraph.slam.freespace import free_reach
 from situgraph.slam.ground import Floor, floor
+from situgraph.slam.input_config import KeyframeConfig
 from situgraph.slam.level import levelling, tilt
 from situgraph.slam.motion import size
 from situgraph.slam.sightings import Sighting, sightings
@@ -23,7 +23,7 @@ class View:
     """What one scan shows, in the level frame: base turned so that z is up.
 
     ``up`` (3,) and ``tilt_sigma`` (rad): up in base. ``level`` (3, 3) turns base to the level
-    frame. ``reach`` (BINS,) is the free distance by direction, ``cloud`` (m, 3) is kept in base.
+    frame. ``reach`` (BINS,) is the free distance by direction.
     """
 
     up: Array
@@ -32,7 +32,6 @@ class View:
     floor: Floor | None
     sightings: list[Sighting]
     reach: Array
-    cloud: NDArray[np.float32]
 
 
 @dataclass
@@ -93,7 +92,6 @@ def view(
         floor=ground,
         sightings=pieces,
         reach=free_reach(points @ level.T, base, height, config.rooms),
-        cloud=thin(points, config.keyframes.voxel).astype(np.float32),
     )
 
 

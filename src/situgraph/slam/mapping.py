@@ -44,17 +44,17 @@ class Mapper:
         self._poses: dict[int, Array] = {}
         self.on_merge: Callable[[int, int], None] = lambda keep, drop: None
 
-    def add(self, keyframe: Keyframe, guess: Array, motion: Array | None, trusted: bool) -> None:
+    def add(self, keyframe: Keyframe, guess: Array, motion: Array | None, doubt: float) -> None:
         """Take in a keyframe.
 
         ``guess`` is its expected pose (4x4) in the map, ``motion`` the measured one since the
-        keyframe before (None for the first), ``trusted`` whether scans were registered between.
+        keyframe before (None for the first), ``doubt`` how many times worse than usual it is known.
         """
         view, storey = keyframe.view, keyframe.storey
         known = self._planes.on(storey)
         paired = associate(view.sightings, level_pose(guess), known, self._config.map)
         pose = base_pose(level_pose(guess) + paired.correction, float(guess[2, 3]), view)
-        self._tie(keyframe, pose, motion, trusted)
+        self._tie(keyframe, pose, motion, doubt)
         seen: list[Seen] = []
         if storey != BETWEEN:
             self._see_floor(keyframe, pose)
@@ -62,7 +62,7 @@ class Mapper:
         self._graph.update()
         self._follow(keyframe, seen)
 
-    def _tie(self, keyframe: Keyframe, pose: Array, motion: Array | None, trusted: bool) -> None:
+    def _tie(self, keyframe: Keyframe, pose: Array, motion: Array | None, doubt: float) -> None:
         number, g = keyframe.number, self._config.graph
         if motion is None:
             self._graph.start(number, pose)
@@ -71,9 +71,7 @@ class Mapper:
             shift = g.motion_position + g.motion_share * length
             sigmas = np.array([g.motion_angle] * 3 + [shift] * 3)
             self._graph.add_pose(("x", number), pose)
-            self._graph.motion(
-                number - 1, number, motion, sigmas if trusted else sigmas * g.lost_factor
-            )
+            self._graph.motion(number - 1, number, motion, sigmas * doubt)
         self._graph.upright(number, keyframe.view.up, keyframe.view.tilt_sigma)
 
     def _see_floor(self, keyframe: Keyframe, pose: Array) -> None:

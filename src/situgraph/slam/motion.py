@@ -11,11 +11,15 @@ from situgraph.geometry.poses import Array
 
 
 class OdometryTrack:
-    """The last seconds of recorded odometry: poses of base in the odometry's own frame."""
+    """The last seconds of recorded odometry: poses of base in the odometry's own frame.
 
-    def __init__(self, memory: float) -> None:
-        """Keep ``memory`` seconds."""
+    Logs of keyframes have one pose every few seconds: the last few are kept whatever their age.
+    """
+
+    def __init__(self, memory: float, least: int) -> None:
+        """Keep ``memory`` seconds and no fewer than ``least`` poses."""
         self._memory = memory
+        self._least = least
         self._stamps: deque[float] = deque()
         self._poses: deque[Array] = deque()
 
@@ -23,7 +27,7 @@ class OdometryTrack:
         """Append the 4x4 ``pose`` at ``stamp`` (s), which must be later than all before."""
         self._stamps.append(stamp)
         self._poses.append(pose)
-        while self._stamps[0] < stamp - self._memory:
+        while len(self._stamps) > self._least and self._stamps[0] < stamp - self._memory:
             self._stamps.popleft()
             self._poses.popleft()
 

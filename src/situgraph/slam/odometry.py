@@ -12,7 +12,7 @@ import numpy as np
 
 from situgraph.errors import MissingExtraError
 from situgraph.geometry.poses import Array
-from situgraph.slam.config import OdometryConfig
+from situgraph.slam.input_config import OdometryConfig
 
 
 class Step(NamedTuple):
@@ -29,13 +29,14 @@ class Step(NamedTuple):
 class ScanOdometry(Protocol):
     """Registers scans one after the other."""
 
-    def register(self, points: Array, sensor: Array, guess: Array) -> Step:
+    def register(self, points: Array, sensor: Array, guess: Array, reach: float) -> Step:
         """The pose of a scan.
 
         Args:
             points: (n, 3) deskewed, in base.
             sensor: (3,) origin of the LiDAR in base.
             guess: the expected pose (4x4) in the odometry's frame.
+            reach: how far (m) the guess may be off at most.
         """
         ...
 
@@ -56,7 +57,7 @@ def make(config: OdometryConfig) -> ScanOdometry:
 class Recorded:
     """Trusts the recorded odometry (or constant speed where there is none): no scan is compared."""
 
-    def register(self, points: Array, sensor: Array, guess: Array) -> Step:
+    def register(self, points: Array, sensor: Array, guess: Array, reach: float) -> Step:
         """The guess itself."""
         return Step(guess, True, 1.0)
 
@@ -85,7 +86,7 @@ class Kiss:
         self._icp = KissICP(settings)
         self._start: Array | None = None
 
-    def register(self, points: Array, sensor: Array, guess: Array) -> Step:
+    def register(self, points: Array, sensor: Array, guess: Array, reach: float) -> Step:
         """Align with KISS-ICP's own map; it predicts by itself, the guess only sets the start."""
         if self._start is None:
             self._start = guess

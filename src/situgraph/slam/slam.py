@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from situgraph.geometry.poses import Array, matrix_to_pose, pose_to_matrix, rotation2
 from situgraph.scenegraph.graph import SceneGraph, Warning
-from situgraph.slam import odometry
 from situgraph.slam.cloud import Cleaned, clean, moved
 from situgraph.slam.config import SlamConfig
 from situgraph.slam.deskew import deskew
@@ -20,12 +20,14 @@ from situgraph.slam.keyframes import Keyframe, due, view
 from situgraph.slam.mapping import Mapper, level_pose
 from situgraph.slam.motion import OdometryTrack, interpolate, relative, size, tidy
 from situgraph.slam.notices import Notices
+from situgraph.slam.odometry import ScanOdometry, make
+from situgraph.slam.pace import Pace
 from situgraph.slam.planemap import PlaneMap
 from situgraph.slam.rooms import Reason, RoomBook
 from situgraph.slam.scene import scene_graph
 from situgraph.slam.storeys import BETWEEN, Storeys
 from situgraph.slam.surroundings import Surroundings
-from situgraph.slam.trajectory import trajectory
+from situgraph.slam.trajectory import Trail, trajectory
 
 
 class Slam:
@@ -36,18 +38,22 @@ class Slam:
     """
 
     def __init__(
-        self, config: SlamConfig | None = None, base_T_lidar: ArrayLike | None = None
+        self,
+        config: SlamConfig | None = None,
+        base_T_lidar: ArrayLike | None = None,
+        odometry: ScanOdometry | None = None,
     ) -> None:
         """Start empty.
 
         Args:
             config: settings.
             base_T_lidar: pose (7,) of the LiDAR in base; none: base is the LiDAR.
+            odometry: registers scans; none: the one that the settings name.
         """
         self.config = config or SlamConfig()
         self._lidar = np.eye(4) if base_T_lidar is None else pose_to_matrix(base_T_lidar)
-        self._track = OdometryTrack(self.config.odometry.memory)
-        self._odometry = odometry.make(self.config.odometry)
+        self._track = OdometryTrack(self.config.odometry.memory, self.config.odometry.least_memory)
+        self._odometry = odometry or make(self.config.odometry)
         self.graph = FactorGraph(self.config.graph)
         self.planes = PlaneMap(self.config.map.interval_gap)
         self.storeys = Storeys(self.config.storeys)
@@ -58,9 +64,12 @@ class Slam:
         self.keyframes: list[Keyframe] = []
         self._last: tuple[float, Array] | None = None  # stamp and odometry pose of the last scan
         self._step = (np.eye(4), 1.0)  # the last motion and the seconds it took
-        self._trusted = True
+        self._doubt = 1.0  # how much worse than usual the motion since the last keyframe is known
         self._path: list[tuple[float, int, Array]] = []
+        self._trail = Trail(self.config.keyframes.trail)
+        self.changes = 0  # how often a room was found, lost, or given other walls
         self._notices = Notices()
+        self._pace = Pace()
         self.seconds = {"odometry": 0.0, "planes": 0.0, "graph": 0.0, "rooms": 0.0}
 
     def feed_odometry(self, stamp: float, pose: ArrayLike) -> None:
@@ -99,16 +108,18 @@ class Slam:
         cleaned = self._accept(stamp, points)
         if cleaned is None:
             return None
+        when = self._times_of(cleaned, stamp, times)
         with self._timed("odometry"):
-            motion, seconds = self._expected_motion(stamp)
+            motion, seconds, recorded = self._expected_motion(stamp)
             scan = moved(cleaned.points, self._lidar)
-            if times is not None:
-                scan = deskew(scan, np.asarray(times)[cleaned.kept], motion, seconds)
-            step = self._odometry.register(
-                scan, self._lidar[:3, 3], self._expected_pose(stamp, motion)
-            )
+            if when is not None:
+                scan = deskew(scan, when, motion, seconds)
+            guess, c = self._expected_pose(stamp, motion), self.config.odometry
+            reach = c.reach if recorded else c.wide_reach
+            step = self._odometry.register(scan, self._lidar[:3, 3], guess, reach)
         if not step.trusted:
-            self._trusted = False
+            g = self.config.graph
+            self._doubt = max(self._doubt, g.recorded_factor if recorded else g.lost_factor)
             self._notices.add(
                 "scan-not-registered",
                 f"the scan at {stamp:.3f} s fits the ones before in {step.fit:.0%} of its points; "
@@ -120,7 +131,9 @@ class Slam:
         self._last = (stamp, pose)
         keyframe = self._keyframe(stamp, scan, pose)
         last = self.keyframes[-1]
-        self._path.append((stamp, last.number, relative(last.odometry, pose)))
+        motion = relative(last.odometry, pose)
+        self._path.append((stamp, last.number, motion))
+        self._trail.add(last.number, motion[:3, 3])
         return keyframe
 
     @property
@@ -134,6 +147,28 @@ class Slam:
     def trajectory(self) -> tuple[Array, Array]:
         """Stamps (n,) and poses (n, 7) of base in the map, one a scan."""
         return trajectory(self._path, self.keyframes, self.graph)
+
+    def places(self) -> Array:
+        """Positions (n, 3) of base in the map, thinned; quick enough to be asked for often."""
+        return self._trail.places(self.graph.poses([k.number for k in self.keyframes]))
+
+    def moment(self, stamp: float) -> tuple[int, Array] | None:
+        """Where base was between two scans: a keyframe's number and the motion (4x4) from it.
+
+        None when ``stamp`` does not lie between the first keyframe and the last scan, or no scan
+        came near it.
+        """
+        i = bisect.bisect_left(self._path, stamp, key=lambda step: step[0])
+        if i == len(self._path) or (i == 0 and self._path[0][0] > stamp):
+            return None
+        (before, _, _), (after, number, motion) = self._path[max(i - 1, 0)], self._path[i]
+        if after - before > self.config.odometry.memory:
+            return None
+        if before == after:
+            return number, motion
+        base = [self.keyframes[n].odometry @ m for _, n, m in (self._path[i - 1], self._path[i])]
+        between = interpolate(base[0], base[1], (stamp - before) / (after - before))
+        return number, relative(self.keyframes[number].odometry, between)
 
     def refresh(self) -> None:
         """Let every plane and room follow the graph, also those far from the robot."""
@@ -162,6 +197,11 @@ class Slam:
                 "scan-out-of-order", f"the scan at {stamp:.3f} s is not later than the last one"
             )
             return None
+        if np.ndim(points) != 2 or np.shape(points)[1] != 3:
+            self._notices.add(
+                "scan-odd", f"the scan at {stamp:.3f} s is {np.shape(points)}, not (n, 3)"
+            )
+            return None
         cleaned = clean(points, self.config.odometry.near, self.config.odometry.far)
         if cleaned.broken:
             self._notices.add(
@@ -174,18 +214,37 @@ class Slam:
                 f"the scan at {stamp:.3f} s has {len(cleaned.points)} usable points",
             )
             return None
+        gap = self._pace.gap(stamp)
+        if gap is not None:
+            self._notices.add("scans-missing", f"no scan for {gap:.2f} s before {stamp:.3f} s")
         return cleaned
 
-    def _expected_motion(self, stamp: float) -> tuple[Array, float]:
-        """Motion (4x4) since the last scan and the seconds since: recorded, else as before."""
+    def _times_of(self, cleaned: Cleaned, stamp: float, times: ArrayLike | None) -> Array | None:
+        """When (s before the stamp) each usable point was measured; None where that is unknown."""
+        if times is None:
+            return None
+        when = np.asarray(times, dtype=float)
+        if when.shape != cleaned.kept.shape or not np.isfinite(when).all():
+            self._notices.add(
+                "times-odd", f"the times of the scan at {stamp:.3f} s do not fit; not deskewed"
+            )
+            return None
+        out: Array = when[cleaned.kept]
+        return out
+
+    def _expected_motion(self, stamp: float) -> tuple[Array, float, bool]:
+        """Motion (4x4) since the last scan, the seconds since, and whether it was recorded.
+
+        What was not recorded goes on as before.
+        """
         if self._last is None:
-            return np.eye(4), 0.0
+            return np.eye(4), 0.0, True
         seconds = stamp - self._last[0]
         recorded = self._track.between(self._last[0], stamp, self.config.odometry.slack)
         if recorded is not None:
-            return recorded, seconds
+            return recorded, seconds, True
         motion, period = self._step
-        return interpolate(np.eye(4), motion, seconds / period), seconds
+        return interpolate(np.eye(4), motion, seconds / period), seconds, False
 
     def _expected_pose(self, stamp: float, motion: Array) -> Array:
         if self._last is not None:
@@ -209,8 +268,8 @@ class Slam:
         keyframe = Keyframe(len(self.keyframes), stamp, pose, seen, storey)
         self.keyframes.append(keyframe)
         with self._timed("graph"):
-            self._mapper.add(keyframe, guess, motion, self._trusted)
-        self._trusted = True
+            self._mapper.add(keyframe, guess, motion, self._doubt)
+        self._doubt = 1.0
         if storey != BETWEEN:
             with self._timed("rooms"):
                 self._find_rooms(keyframe)
@@ -221,7 +280,8 @@ class Slam:
         place = self._mapper.pose(keyframe.number)[:2, 3]
         near = self._surroundings.near(keyframe.storey, place, self._mapper.pose)
         walls = [p for p in self.planes.on(keyframe.storey) if p.certain(self.config.map)]
-        self.rooms.update(keyframe.storey, place, near.outlines, near.places, walls)
+        changed = self.rooms.update(keyframe.storey, place, near.outlines, near.places, walls)
+        self.changes += changed
 
     @contextmanager
     def _timed(self, stage: str) -> Iterator[None]:

@@ -32,6 +32,7 @@ class Structure:
         self._on_axes: set[int] = set()
         self.walls: dict[tuple[int, int], int] = {}
         self._walled: set[int] = set()
+        self._next = 0  # a number is never used twice: the graph may not have let go of it yet
 
     def tie(self, touched: Sequence[MapPlane], planes: Sequence[MapPlane]) -> None:
         """Add the factors that planes just seen now allow."""
@@ -82,7 +83,7 @@ class Structure:
             thickness = _thickness(plane, other, c)
             if thickness is None:
                 continue
-            number = len(self.walls) if not self.walls else max(self.walls.values()) + 1
+            number, self._next = self._next, self._next + 1
             low, high = plane.intervals[0][0], plane.intervals[-1][1]
             middle = plane.point((low + high) / 2) - thickness / 2 * plane.normal
             heading = math.atan2(plane.normal[1], plane.normal[0])

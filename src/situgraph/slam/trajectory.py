@@ -35,3 +35,29 @@ def trajectory(
             share = (stamp - before.stamp) / (after.stamp - before.stamp)
             out[i] = interpolate(out[i], poses[number + 1] @ since, share)
     return np.array([stamp for stamp, _, _ in path]), matrix_to_pose(out)
+
+
+class Trail:
+    """The way in steps of some decimetres, relative to keyframes so that it follows them."""
+
+    def __init__(self, step: float) -> None:
+        """``step`` (m): what is nearer to the last place adds nothing."""
+        self._step = step
+        self._numbers: list[int] = []
+        self._places: list[Array] = []
+
+    def add(self, keyframe: int, place: Array) -> None:
+        """Base was at ``place`` (3,) in a keyframe's frame."""
+        same = bool(self._numbers) and self._numbers[-1] == keyframe
+        if same and float(np.linalg.norm(place - self._places[-1])) < self._step:
+            return
+        self._numbers.append(keyframe)
+        self._places.append(place)
+
+    def places(self, poses: Array) -> Array:
+        """All places (n, 3) in the map, given the poses (m, 4, 4) of the keyframes."""
+        if not self._numbers:
+            return np.empty((0, 3))
+        seen = poses[self._numbers]
+        out: Array = np.einsum("nij,nj->ni", seen[:, :3, :3], self._places) + seen[:, :3, 3]
+        return out

@@ -17,6 +17,7 @@ _HOME = {
     "Surface": "situgraph.view.surfaces",
     "ViewConfig": "situgraph.view.config",
     "draw_advice": "situgraph.view.advice",
+    "draw_deviations": "situgraph.view.deviations",
     "draw_graph": "situgraph.view.plan",
     "draw_history": "situgraph.view.track",
     "draw_lines": "situgraph.view.experiments",
@@ -39,6 +40,7 @@ __all__ = [
     "Surface",
     "ViewConfig",
     "draw_advice",
+    "draw_deviations",
     "draw_graph",
     "draw_history",
     "draw_lines",
@@ -58,6 +60,7 @@ if TYPE_CHECKING:
     from situgraph.view.advice import draw_advice
     from situgraph.view.canvas import save_figure
     from situgraph.view.config import ViewConfig
+    from situgraph.view.deviations import draw_deviations
     from situgraph.view.experiments import draw_lines, draw_outcomes, draw_reliability, draw_scale
     from situgraph.view.graph_report import graph_report
     from situgraph.view.match import draw_match

@@ -1,0 +1,139 @@
+"""Which planned faces and rooms are those seen, once it is known where the map lies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.walls import stretch
+from situgraph.geometry.poses import Array, Placement
+from situgraph.scenegraph.graph import Plane, Room, SceneGraph, Vec2
+
+
+def associate_planes(
+    online: SceneGraph,
+    prior: SceneGraph,
+    placement: Placement,
+    storeys: Mapping[str, str],
+    matched: Mapping[str, str],
+    config: CouplingConfig,
+) -> dict[str, str]:
+    """Online planes and the planned faces they are: those matched, and the others by their place.
+
+    Each online plane gets the nearest face of the same direction with a common stretch. A face that
+    has its plane already takes another one only in the same surface: a window pane or a cupboard
+    before the wall is not the wall.
+
+    Args:
+        online: in the map frame.
+        prior: the plan.
+        placement: map to building.
+        storeys: online storey -> planned storey; a plane of an unknown one is left alone.
+        matched: pairs of the match; they stay.
+        config: how near is near.
+    """
+    pairs = {k: v for k, v in matched.items() if k in online.plane_by_id}
+    floors, own = _floors(prior), _floors(online)
+    by_storey: dict[str | None, list[Plane]] = {}
+    for face in prior.planes:
+        for storey in floors.get(face.id, {None}):
+            by_storey.setdefault(storey, []).append(face)
+    only = set(storeys.values())
+    options: list[tuple[float, str, str]] = []
+    for plane in online.planes:
+        if plane.id not in pairs:
+            levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}
+            faces = [f for level in levels or only for f in by_storey.get(level, [])]
+            if levels or len(only) == 1:
+                options += _options(plane, faces, placement, config)
+    taken = set(pairs.values())
+    for away, name, face_id in sorted(options):
+        if name not in pairs and (face_id not in taken or away <= config.same_surface):
+            pairs[name] = face_id
+            taken.add(face_id)
+    return pairs
+
+
+def associate_rooms(
+    online: SceneGraph,
+    prior: SceneGraph,
+    placement: Placement,
+    storeys: Mapping[str, str],
+    matched: Mapping[str, str],
+    config: CouplingConfig,
+) -> dict[str, str]:
+    """Online rooms and the planned rooms they lie in: those matched, and the others by area."""
+    import shapely
+
+    pairs = {k: v for k, v in matched.items() if k in online.room_by_id}
+    shapes = [(r, shapely.Polygon(r.footprint)) for r in prior.rooms if r.footprint]
+    for room in online.rooms:
+        if room.id in pairs:
+            continue
+        level = storeys.get(room.storey) if room.storey else None
+        there = [(r, s) for r, s in shapes if level is None or r.storey == level]
+        found = _covering(room, there, placement, config.room_overlap)
+        if found is not None:
+            pairs[room.id] = found
+    return pairs
+
+
+def _covering(
+    room: Room, shapes: list[tuple[Room, object]], placement: Placement, share: float
+) -> str | None:
+    import shapely
+
+    if not room.footprint:
+        centre = shapely.Point(placement.points(room.center[:2]))
+        return next((r.id for r, s in shapes if shapely.contains(s, centre)), None)
+    outline = shapely.Polygon(placement.points(room.footprint)).buffer(0)
+    common = [(float(outline.intersection(s).area), r.id) for r, s in shapes]
+    best = max(common, default=(0.0, ""))
+    return best[1] if best[0] >= share * outline.area > 0.0 else None
+
+
+def _options(
+    plane: Plane, faces: list[Plane], placement: Placement, config: CouplingConfig
+) -> Iterator[tuple[float, str, str]]:
+    """The planned faces that an online plane may be: how far away (m), its id, theirs."""
+    n, d = _line(plane)
+    normal = placement.vectors(n)
+    offset = d - float(normal @ np.array([placement.x, placement.y]))
+    along = np.array([-normal[1], normal[0]])
+    seen = stretch(plane, along, placement)
+    for face in faces:
+        planned = stretch(face, along)
+        if seen is None or planned is None:
+            continue
+        if float(_line(face)[0] @ normal) < math.cos(config.same_angle):
+            continue
+        common = min(seen[1], planned[1]) - max(seen[0], planned[0])
+        if common < min(config.least_overlap, 0.5 * (planned[1] - planned[0])):
+            continue
+        away = float(np.mean(np.abs(_ends(face) @ normal + offset)))
+        if away <= config.same_offset:
+            yield away, plane.id, face.id
+
+
+def _ends(face: Plane) -> Array:
+    ends: tuple[Vec2, Vec2] = face.extent or ((0.0, 0.0), (0.0, 0.0))
+    return np.asarray(ends, dtype=float)
+
+
+def _line(plane: Plane) -> tuple[Array, float]:
+    """The face in the plan: unit normal (2,) and offset."""
+    n = np.asarray(plane.normal[:2], dtype=float)
+    length = float(np.linalg.norm(n)) or 1.0
+    return n / length, plane.offset / length
+
+
+def _floors(graph: SceneGraph) -> dict[str, set[str | None]]:
+    """The storeys of the rooms each plane bounds."""
+    found: dict[str, set[str | None]] = {}
+    for room in graph.rooms:
+        for plane in room.planes:
+            found.setdefault(plane, set()).add(room.storey)
+    return found

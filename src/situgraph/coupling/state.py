@@ -1,0 +1,194 @@
+"""Located or not: a match is adopted when it is unique, examined with every new room, withdrawn.
+
+The S-Graph and its factor graph never depend on the match, so a match that is withdrawn leaves
+nothing behind: the next one starts from the same map.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, Protocol
+
+import msgspec
+import numpy as np
+
+from situgraph.coupling.association import associate_planes, associate_rooms
+from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.located import Pairs
+from situgraph.geometry.poses import Array, Placement, wrap_angle
+from situgraph.matching.config import MatchingConfig
+from situgraph.matching.result import MatchResult
+from situgraph.matching.solution import Solution
+from situgraph.scenegraph.graph import SceneGraph
+
+Happening = Literal["located", "doubted", "confirmed", "withdrawn"]
+
+
+class Matching(Protocol):
+    """What matches a growing graph (``situgraph.matching.Matcher``)."""
+
+    def update(self, online: SceneGraph) -> MatchResult:
+        """Match the graph as it is now."""
+        ...
+
+
+class Event(msgspec.Struct, frozen=True):
+    """Something changed: at ``stamp`` (s), after so many ``rooms``, and why."""
+
+    stamp: float
+    rooms: int
+    happening: Happening
+    reason: str
+
+
+class Locator:
+    """Follows a growing S-Graph: where is its map in the plan, if that is known.
+
+    Attributes:
+        pairs: the adopted solution; None while there is none.
+        result: the last match.
+        events: all that happened, in order.
+    """
+
+    def __init__(
+        self,
+        matcher: Matching,
+        prior: SceneGraph,
+        config: CouplingConfig | None = None,
+        matching: MatchingConfig | None = None,
+    ) -> None:
+        """Not located yet; ``matching`` says when two placements are the same."""
+        self._matcher = matcher
+        self._prior = prior
+        self._config = config or CouplingConfig()
+        self._same = matching or MatchingConfig()
+        self._sure = False
+        self.pairs: Pairs | None = None
+        self.result: MatchResult | None = None
+        self.events: list[Event] = []
+
+    @property
+    def located(self) -> bool:
+        """Whether a match is adopted."""
+        return self.pairs is not None
+
+    @property
+    def since(self) -> float | None:
+        """When the adopted match was found (s)."""
+        stamps = [e.stamp for e in self.events if e.happening == "located"]
+        return stamps[-1] if self.located and stamps else None
+
+    def update(self, online: SceneGraph, stamp: float) -> MatchResult:
+        """Examine the graph as it is now (map frame); returns the match."""
+        result = self._matcher.update(online)
+        self.result = result
+        if self.pairs is not None:
+            self._examine(online, result, stamp)
+        if self.pairs is None and result.unique and result.best is not None:
+            self.pairs = pairs_of(result.best)
+            self._sure = True
+            self._note(stamp, online, "located", result.reason)
+        return result
+
+    def _examine(self, online: SceneGraph, result: MatchResult, stamp: float) -> None:
+        """Does the adopted match still hold?"""
+        assert self.pairs is not None
+        held = self._held(online, result)
+        if held is not None and held.probability >= self._config.keep_probability:
+            self.pairs = pairs_of(held)
+            if result.unique:
+                self._confirm(stamp, online, result.reason)
+            else:
+                self._doubt(stamp, online, result.reason)
+            return
+        if held is None and result.verdict == "none":
+            open_rooms = unexplained(online, self._prior, self.pairs, self._config)
+            if len(open_rooms) <= self._tolerated(len(online.rooms)):
+                names = ", ".join(open_rooms) or "all of this together"
+                self._doubt(stamp, online, f"nothing in the plan is like {names} at its place")
+                return
+        self.pairs = None
+        self._note(stamp, online, "withdrawn", self._why(held, result))
+
+    def _tolerated(self, rooms: int) -> int:
+        """How many rooms may be unexplained before the match goes: one of three and more."""
+        return 0 if rooms < 3 else max(1, rooms - self._same.least_rooms(rooms))
+
+    def _why(self, held: Solution | None, result: MatchResult) -> str:
+        if result.verdict == "none":
+            return f"nothing in the plan explains what was seen since: {result.reason}"
+        best = result.best
+        if result.unique and best is not None:
+            return f"what was seen since fits another placement: {result.reason}"
+        if held is not None:
+            return (
+                f"its probability fell to {held.probability:.1%} of {result.count} "
+                f"placements: {result.reason}"
+            )
+        return f"it is not among the {result.count} placements that fit: {result.reason}"
+
+    def _confirm(self, stamp: float, online: SceneGraph, reason: str) -> None:
+        if not self._sure:
+            self._note(stamp, online, "confirmed", reason)
+        self._sure = True
+
+    def _doubt(self, stamp: float, online: SceneGraph, reason: str) -> None:
+        if self._sure:
+            self._note(stamp, online, "doubted", reason)
+        self._sure = False
+
+    def _note(self, stamp: float, online: SceneGraph, what: Happening, reason: str) -> None:
+        self.events.append(Event(stamp, len(online.rooms), what, reason))
+
+    def _held(self, online: SceneGraph, result: MatchResult) -> Solution | None:
+        """The adopted placement among the solutions of a new match."""
+        assert self.pairs is not None
+        middle = np.mean([r.center for r in online.rooms], axis=0) if online.rooms else np.zeros(3)
+        for solution in result.solutions:
+            if self._one(solution.transform, self.pairs.placement, middle):
+                return solution
+        return None
+
+    def _one(self, a: Placement, b: Placement, middle: Array) -> bool:
+        away = a.points(middle) - b.points(middle)
+        return (
+            float(np.hypot(away[0], away[1])) <= self._same.same_distance
+            and abs(float(wrap_angle(a.yaw - b.yaw))) <= self._same.same_yaw
+            and abs(float(away[2])) <= self._same.same_height
+        )
+
+
+def pairs_of(solution: Solution) -> Pairs:
+    """What a solution of the match says corresponds."""
+    return Pairs(
+        solution.transform, solution.rooms, solution.planes, solution.objects, solution.storeys
+    )
+
+
+def unexplained(
+    online: SceneGraph, prior: SceneGraph, pairs: Pairs, config: CouplingConfig
+) -> tuple[str, ...]:
+    """Online rooms that are no room of the plan where the map puts them.
+
+    A room is one where it lies in a planned room, and two of its faces that are not parallel have
+    a counterpart there.
+    """
+    rooms = associate_rooms(online, prior, pairs.placement, pairs.storeys, {}, config)
+    faces = associate_planes(online, prior, pairs.placement, pairs.storeys, {}, config)
+    found = []
+    for room in online.rooms:
+        planned = prior.room_by_id.get(rooms.get(room.id, ""))
+        own = [p for p in room.planes if planned and faces.get(p) in planned.planes]
+        if not _spread(online, own):
+            found.append(room.id)
+    return tuple(found)
+
+
+def _spread(graph: SceneGraph, planes: list[str]) -> bool:
+    """Whether two of the planes are not parallel."""
+    if len(planes) < 2:
+        return False
+    angles = [
+        math.atan2(graph.plane_by_id[p].normal[1], graph.plane_by_id[p].normal[0]) for p in planes
+    ]
+    return any(abs(math.sin(a - angles[0])) > 0.3 for a in angles[1:])

@@ -1,0 +1,153 @@
+"""Experiment ``relations``: which room an object is in, which wall it is on, and doorways.
+
+Relations: the objects of plans lose their relations, are moved by a known distance in a random
+direction of the plan, and get their relations back from geometry alone. Doorways: drives without a
+camera through the whole SLAM; what the robot walked through is compared with the true doors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+import numpy as np
+
+from situgraph.experiments.passages import doorway_row
+from situgraph.experiments.results import ExperimentResult
+from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
+from situgraph.objects.relations import related
+from situgraph.plan.layout_config import Kind
+from situgraph.plan.layouts import make_layout
+from situgraph.plan.six_rooms import six_rooms
+from situgraph.scenegraph.graph import Object, SceneGraph
+
+REVISION = 1
+ERRORS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)  # m
+CLAIMED = 0.2  # m; the summary's figures are over errors up to this
+LAYOUTS = (12, 60)  # default, full
+LAYOUT_SEED = 4_000
+REPEATS = 5  # directions in which each object is moved
+DRIVES = (10, 50)
+
+
+def run(options: RunOptions) -> ExperimentResult:
+    """Compute it; with a folder also draw the sweep. Extra parameters: ``layouts``, ``drives``."""
+    layouts = int(options.extra.get("layouts", LAYOUTS[options.full]))
+    drives = int(options.extra.get("drives", DRIVES[options.full]))
+    tasks: list[dict[str, Any]] = [
+        {"part": "relations", "layout": k, "footprints": known, "seed": options.seed}
+        for k in range(-1, layouts)
+        for known in (True, False)
+    ]
+    tasks += [{"part": "doorways", "drive": k, "seed": options.seed + 200 + k}
+              for k in range(drives)]  # fmt: skip
+    experiment = Experiment("relations", tasks, solve, summarise, options.seed, REVISION)
+    result = run_experiment(experiment, options)
+    if options.folder is not None:
+        draw(result, options.folder)
+    return result
+
+
+def solve(task: Mapping[str, Any]) -> dict[str, Any]:
+    """One building's relations at every error, or one drive's doorways."""
+    if task["part"] == "doorways":
+        return {"part": "doorways", **doorway_row(_driven(task["drive"]), task["seed"])}
+    plan = building(task["layout"])
+    rng = np.random.default_rng([task["seed"], 31, task["layout"] + 1])
+    sweep = [_counts(plan, error, task["footprints"], rng) for error in ERRORS]
+    return {
+        "part": "relations", "building": plan.name, "footprints": task["footprints"],
+        "sweep": sweep,
+    }  # fmt: skip
+
+
+def building(number: int) -> SceneGraph:
+    """The six rooms (-1), or a layout: the kinds take turns."""
+    if number < 0:
+        return six_rooms()
+    kinds = [k for k in get_args(Kind) if k != "storeys"]
+    plan = make_layout(kinds[number % len(kinds)], 8, LAYOUT_SEED + number)
+    return plan.replace(name=f"{kinds[number % len(kinds)]} {LAYOUT_SEED + number}")
+
+
+def _driven(number: int) -> SceneGraph:
+    return building(-1 if number % 2 == 0 else number // 2)
+
+
+def _counts(
+    plan: SceneGraph, error: float, footprints: bool, rng: np.random.Generator
+) -> dict[str, Any]:
+    """Right relations of all objects, moved by ``error`` (m) in ``REPEATS`` directions each."""
+    if not footprints:
+        bare = tuple(msgspec.structs.replace(r, footprint=None) for r in plan.rooms)
+        plan = plan.replace(rooms=bare)
+    count = {"error": error, "objects": 0, "in_room": 0, "hung": 0, "on_plane": 0}
+    for _ in range(REPEATS if error else 1):
+        moved = tuple(_moved(o, error, rng) for o in plan.objects)
+        for old, new in zip(plan.objects, related(plan.replace(objects=moved)).objects):
+            if not old.rooms:
+                continue
+            count["objects"] += 1
+            count["in_room"] += set(new.rooms) == set(old.rooms)
+            if old.planes:
+                count["hung"] += 1
+                count["on_plane"] += set(new.planes) == set(old.planes)
+    return count
+
+
+def _moved(item: Object, error: float, rng: np.random.Generator) -> Object:
+    angle = rng.uniform(-np.pi, np.pi)
+    x, y, z = item.center
+    center = (x + error * float(np.cos(angle)), y + error * float(np.sin(angle)), z)
+    return msgspec.structs.replace(item, center=center, rooms=(), planes=())
+
+
+def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Shares of right relations for errors up to ``CLAIMED``; doorways over all drives."""
+    steps = [s for r in rows if r["part"] == "relations" for s in r["sweep"]]
+    claimed = [s for s in steps if s["error"] <= CLAIMED]
+    drives = [r for r in rows if r["part"] == "doorways"]
+    errors = [e for r in drives for e in r["errors"]]
+    crossed = sum(r["crossed"] for r in drives)
+    found = sum(r["found"] for r in drives)
+    return {
+        "in_room_right": _share(claimed, "in_room", "objects"),
+        "on_plane_right": _share(claimed, "on_plane", "hung"),
+        "objects": sum(s["objects"] for s in claimed),
+        "drives": len(drives),
+        "doorways_crossed": crossed,
+        "doorways_found": found / crossed if crossed else None,
+        "doorways_invented": sum(r["invented"] for r in drives),
+        "doorway_plane_right": sum(r["plane_right"] for r in drives) / found if found else None,
+        "doorway_error_median_m": float(np.median(errors)) if errors else None,
+    }
+
+
+def _share(steps: list[dict[str, Any]], part: str, whole: str) -> float | None:
+    total = sum(s[whole] for s in steps)
+    return sum(s[part] for s in steps) / total if total else None
+
+
+def draw(result: ExperimentResult, folder: Path) -> None:
+    """Share of right relations over the error of the centre."""
+    from situgraph.view.experiments import draw_lines
+
+    rows = []
+    for row in result.rows:
+        for step in row.get("sweep", ()):
+            known = "footprint known" if row["footprints"] else "walls only"
+            for name, part, whole in (
+                ("in room", "in_room", "objects"),
+                ("on plane", "on_plane", "hung"),
+            ):
+                if step[whole]:
+                    share = 100.0 * step[part] / step[whole]
+                    series = f"{name}, {known}"
+                    rows.append({"error": step["error"], "right": share, "series": series})
+    figure = draw_lines(
+        rows, "error", "right", "series", title="Relations under errors of the centre",
+        x_name="error of the object's centre (m)", y_name="right (%)",
+    )  # fmt: skip
+    figure.savefig(folder / "relations.png", dpi=150, bbox_inches="tight")

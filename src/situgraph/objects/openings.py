@@ -1,0 +1,229 @@
+"""Doors and windows as what they are: stretches of a wall.
+
+A door that stands open drags its ellipsoid into the room, a pane is seen from both sides of a wall,
+and a wall seen in part gives half a window. What belongs to the opening is what lies in the wall:
+the frame, the closed leaf, the pane. So each object of these kinds is projected into the wall that
+holds most of its points, and stretches of one wall that cover each other become one opening, from
+whichever side they were seen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+import numpy as np
+
+from situgraph.geometry.poses import Array
+from situgraph.objects.association import confidence
+from situgraph.objects.config import ObjectsConfig
+from situgraph.objects.relations import RoomView
+from situgraph.scenegraph.graph import Ellipsoid, Object
+
+IN_WALL = 0.2  # m; points this close to a face belong to the opening in it
+ENOUGH = 12  # points in the wall that carry a place
+TRIM = (0.02, 0.98)  # share of the points that bound the opening along and up the wall
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What the camera saw of one thing: points (n, 3) in the map, frames that saw each (n,)."""
+
+    number: int
+    category: str
+    points: Array
+    hits: Array
+    seen: int
+    expected: int
+    score: float
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a wall's face: ``low`` to ``high`` (m) along it, ``bottom`` to ``top`` up."""
+
+    category: str
+    view: int
+    face: int
+    low: float
+    high: float
+    bottom: float
+    top: float
+    weight: float  # sightings of its points, summed
+    numbers: tuple[int, ...]
+    seen: int
+    expected: int
+    score: float
+
+    @property
+    def confidence(self) -> float:
+        """Of the opening, from all that was seen of it."""
+        return confidence(self.seen, self.expected, self.score)
+
+
+def openings(
+    things: Sequence[Seen], views: tuple[RoomView, ...], config: ObjectsConfig
+) -> tuple[list[Object], list[int]]:
+    """The openings in the rooms' walls, and the numbers of the things that lie in no wall.
+
+    Of a door and a window that claim the same stretch, the one with more sightings stands.
+    """
+    stretches: list[Stretch] = []
+    homeless = []
+    for thing in things:
+        own = _stretches(thing, views, config)
+        if own is None:
+            homeless.append(thing.number)
+        else:
+            stretches += own
+    found: list[Stretch] = []
+    for stretch in sorted(stretches, key=lambda s: (-s.weight, s.numbers)):
+        met = next((k for k, f in enumerate(found) if _same(f, stretch, views, config)), None)
+        if met is None:
+            found.append(stretch)
+        elif found[met].category == stretch.category:
+            found[met] = _united(found[met], stretch, views)
+    given = [_object(key, s, views) for key, s in _named(found) if _given_out(s, views, config)]
+    return given, homeless
+
+
+def _stretches(
+    thing: Seen, views: tuple[RoomView, ...], config: ObjectsConfig
+) -> list[Stretch] | None:
+    """The parts of the wall that a thing covers; None where no wall holds it."""
+    host = _host(thing, views)
+    if host is None:
+        return None
+    view, face = host
+    normal = views[view].normals[face]
+    inside = np.abs(thing.points @ normal + views[view].offsets[face]) < IN_WALL
+    along = thing.points[inside] @ _tangent(normal)
+    heights, hits = thing.points[inside, 2], thing.hits[inside]
+    core = hits >= config.core_share * np.quantile(hits, 0.9)
+    along, heights, hits = along[core], heights[core], hits[core]
+    order = np.argsort(along, kind="stable")
+    breaks = np.flatnonzero(np.diff(along[order]) > config.cluster_gap) + 1
+    found = []
+    for part in np.split(order, breaks):
+        if len(part) < ENOUGH:
+            continue
+        low, high = np.quantile(along[part], TRIM)
+        bottom, top = np.quantile(heights[part], TRIM)
+        found.append(
+            Stretch(
+                thing.category, view, face, float(low), float(high), float(bottom), float(top),
+                float(hits[part].sum()), (thing.number,), thing.seen, thing.expected, thing.score,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _host(thing: Seen, views: tuple[RoomView, ...]) -> tuple[int, int] | None:
+    """The room's view and face that most of the points lie in, or None."""
+    best, found = 0.0, None
+    center = np.average(thing.points, axis=0, weights=thing.hits)
+    for k, view in enumerate(views):
+        distance = thing.points @ view.normals.T + view.offsets
+        for i in range(distance.shape[1]):
+            near = np.abs(distance[:, i]) < IN_WALL
+            weight = float(thing.hits[near].sum())
+            if weight <= best or near.sum() < ENOUGH:
+                continue
+            foot = center - (view.normals[i] @ center + view.offsets[i] - 0.05) * view.normals[i]
+            if view.sees(foot[None], 0.1)[0]:
+                best, found = weight, (k, i)
+    return found
+
+
+def _tangent(normal: Array) -> Array:
+    level = np.array([-normal[1], normal[0], 0.0])
+    unit: Array = level / np.linalg.norm(level)
+    return unit
+
+
+def _span(stretch: Stretch, views: tuple[RoomView, ...], tangent: Array) -> tuple[float, float]:
+    """The stretch along another face's tangent."""
+    sign = float(np.sign(_tangent(views[stretch.view].normals[stretch.face]) @ tangent))
+    ends = sorted((sign * stretch.low, sign * stretch.high))
+    return ends[0], ends[1]
+
+
+def _same(
+    first: Stretch, second: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig
+) -> bool:
+    """Whether two stretches lie in one wall and cover each other."""
+    n, d = views[first.view].normals[first.face], views[first.view].offsets[first.face]
+    m, e = views[second.view].normals[second.face], views[second.view].offsets[second.face]
+    facing = float(n @ m)
+    if abs(facing) < 0.97:
+        return False
+    behind = abs(d - e) if facing > 0 else abs(d + e)
+    if behind > (IN_WALL if facing > 0 else config.wall_thickness):
+        return False
+    low, high = _span(second, views, _tangent(n))
+    shared = min(first.high, high) - max(first.low, low)
+    narrow = max(min(first.high - first.low, high - low), config.voxel)
+    level = min(first.top, second.top) - max(first.bottom, second.bottom)
+    return shared > config.opening_overlap * narrow and level > -config.cluster_gap
+
+
+def _united(first: Stretch, second: Stretch, views: tuple[RoomView, ...]) -> Stretch:
+    """Both as one: the stronger one's wall; its bounds give way by the other's share."""
+    low, high = _span(second, views, _tangent(views[first.view].normals[first.face]))
+    share = second.weight / (first.weight + second.weight)
+    # A weak sighting often shows a part, so it may widen the opening but never narrow it.
+    return replace(
+        first,
+        low=first.low + share * min(low - first.low, 0.0),
+        high=first.high + share * max(high - first.high, 0.0),
+        bottom=first.bottom + share * min(second.bottom - first.bottom, 0.0),
+        top=first.top + share * max(second.top - first.top, 0.0),
+        weight=first.weight + second.weight,
+        numbers=tuple(sorted({*first.numbers, *second.numbers})),
+        seen=first.seen + second.seen,
+        expected=max(first.expected, second.expected),
+        score=first.score + second.score,
+    )
+
+
+def _given_out(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig) -> bool:
+    """Whether it was seen often enough, is large enough, and a door begins near the floor."""
+    raised = stretch.bottom - views[stretch.view].floor
+    if stretch.category == "door" and raised > config.door_sill:
+        return False
+    return (
+        stretch.seen >= config.min_seen
+        and stretch.confidence >= config.min_confidence
+        and stretch.high - stretch.low >= config.opening_width
+        and stretch.top - stretch.bottom >= config.opening_width
+    )
+
+
+def _named(found: list[Stretch]) -> list[tuple[str, Stretch]]:
+    """With ids after the first thing they are of; further parts of one thing get a suffix."""
+    ordered = sorted(found, key=lambda s: (s.numbers[0], s.view, s.face, s.low))
+    out = []
+    for number, group in groupby(ordered, key=lambda s: s.numbers[0]):
+        for k, stretch in enumerate(group):
+            out.append((f"o{number}" if k == 0 else f"o{number}.{k + 1}", stretch))
+    return out
+
+
+def _object(key: str, stretch: Stretch, views: tuple[RoomView, ...]) -> Object:
+    view = views[stretch.view]
+    normal, offset = view.normals[stretch.face], view.offsets[stretch.face]
+    middle = (stretch.low + stretch.high) / 2.0 * _tangent(normal) - offset * normal
+    yaw = math.atan2(normal[1], normal[0]) - math.pi / 2.0
+    return Object(
+        key,
+        stretch.category,
+        (float(middle[0]), float(middle[1]), (stretch.bottom + stretch.top) / 2.0),
+        Ellipsoid(
+            ((stretch.high - stretch.low) / 2.0, 0.1, (stretch.top - stretch.bottom) / 2.0),
+            (0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)),
+        ),
+        confidence=round(stretch.confidence, 4),
+        attributes={"evidence": "vision", "seen": stretch.seen},
+    )

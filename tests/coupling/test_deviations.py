@@ -1,0 +1,126 @@
+"""What differs from the plan is told, and nothing else."""
+
+from __future__ import annotations
+
+import json
+
+import msgspec
+import pytest
+from tests.coupling.plans import MAP, PRIOR, all_pairs, seen
+
+from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.located import Located, locate
+from situgraph.scenegraph.graph import Plane, SceneGraph
+from situgraph.scenegraph.transform import transformed
+
+CONFIG = CouplingConfig(plane_sigma=0.01, plane_angle_sigma=0.003)
+
+
+def located(online: SceneGraph, prior: SceneGraph = PRIOR) -> Located:
+    pairs = all_pairs(online)
+    known = {r.id for r in prior.rooms}, {p.id for p in prior.planes}, {o.id for o in prior.objects}
+    pairs = type(pairs)(
+        pairs.placement,
+        {k: v for k, v in pairs.rooms.items() if v in known[0]},
+        {k: v for k, v in pairs.planes.items() if v in known[1]},
+        {k: v for k, v in pairs.objects.items() if v in known[2]},
+        pairs.storeys,
+    )
+    return locate(online, prior, pairs, config=CONFIG)
+
+
+def test_a_building_as_planned_has_none() -> None:
+    assert located(seen(PRIOR)).deviations == ()
+
+
+def test_a_door_that_is_not_there_is_told() -> None:
+    online = seen(PRIOR)
+    less = online.replace(objects=tuple(o for o in online.objects if o.id != "o3"))
+    (found,) = located(less).deviations
+    assert (found.kind, found.category, found.prior) == ("missing-object", "door", "o3")
+
+
+def test_a_door_that_was_not_planned_is_told() -> None:
+    prior = PRIOR.replace(objects=tuple(o for o in PRIOR.objects if o.id != "o3"))
+    (found,) = located(seen(PRIOR), prior).deviations
+    assert (found.kind, found.category, found.online) == ("extra-object", "door", "o3")
+
+
+def test_a_door_beside_its_place_is_moved() -> None:
+    online = seen(PRIOR)
+    # Along the wall between rooms 1 and 4, which runs along y in the building.
+    shift = MAP.inverse().vectors([0.0, 0.7, 0.0])
+    moved = tuple(
+        msgspec.structs.replace(o, center=tuple(a + float(b) for a, b in zip(o.center, shift)))
+        if o.id == "o3"
+        else o
+        for o in online.objects
+    )
+    (found,) = located(online.replace(objects=moved)).deviations
+    assert (found.kind, found.prior, found.online) == ("moved-object", "o3", "o3")
+    assert abs(found.offset or 0.0) == pytest.approx(0.7, abs=0.02)
+
+
+def test_a_wall_that_is_not_there_is_told() -> None:
+    """Rooms 1 and 4 are one: no wall between them, one outline."""
+    online = seen(PRIOR)
+    faces = {"p1", "p15"}  # east of room 1, west of room 4
+    inside = [transformed_footprint(r, online) for r in ("r1", "r4")]
+    (x0, y0), (x1, y1) = inside[0][0], inside[1][2]
+    outline = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
+    back = MAP.inverse()
+    rooms = tuple(
+        msgspec.structs.replace(
+            r,
+            planes=tuple(p for p in r.planes if p not in faces),
+            footprint=tuple((float(x), float(y)) for x, y in back.points(outline)),
+        )
+        if r.id in ("r1", "r4")
+        else r
+        for r in online.rooms
+    )
+    objects = tuple(o for o in online.objects if not faces & set(o.planes))
+    planes = tuple(p for p in online.planes if p.id not in faces)
+    built = online.replace(rooms=rooms, planes=planes, objects=objects)
+    found = {d.prior for d in located(built).deviations if d.kind == "missing-wall"}
+    assert found == faces
+
+
+def transformed_footprint(name: str, online: SceneGraph) -> list[tuple[float, float]]:
+    return list(transformed(online, MAP).room_by_id[name].footprint or ())
+
+
+def test_a_wall_that_was_not_planned_is_told() -> None:
+    online = seen(PRIOR)
+    new = transformed(
+        SceneGraph(planes=(Plane("new", (0.0, 1.0, 0.0), -2.0, ((1.0, 2.0), (5.0, 2.0))),)),
+        MAP.inverse(),
+    ).planes[0]
+    rooms = tuple(
+        msgspec.structs.replace(r, planes=(*r.planes, "new")) if r.id == "r1" else r
+        for r in online.rooms
+    )
+    (found,) = located(online.replace(rooms=rooms, planes=(*online.planes, new))).deviations
+    assert (found.kind, found.online, found.rooms) == ("extra-wall", "new", ("r1",))
+
+
+def test_later_rooms_and_walls_are_associated_by_their_place() -> None:
+    online = seen(PRIOR)
+    first = all_pairs(online)
+    only = type(first)(
+        first.placement,
+        {"r1": "r1"},
+        {p: p for p in PRIOR.room_by_id["r1"].planes},
+        {},
+        first.storeys,
+    )
+    found = locate(online, PRIOR, only, config=CONFIG)
+    assert dict(found.rooms) == {r.id: r.id for r in PRIOR.rooms}
+    assert dict(found.planes) == {p.id: p.id for p in PRIOR.planes}
+
+
+def test_the_answer_is_strict_json() -> None:
+    document = located(seen(PRIOR, {"p5": 0.2})).to_dict()
+    again = json.loads(json.dumps(document, allow_nan=False))
+    assert again["format"] == "situgraph/located"
+    assert [d["prior"] for d in again["deviations"]] == ["p5"]
