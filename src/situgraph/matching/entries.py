@@ -17,8 +17,9 @@ from situgraph.matching.explained import Bench, new_bench
 from situgraph.matching.hypotheses import fits_somewhere
 from situgraph.matching.lookup import Finder, new_finder
 from situgraph.matching.pairing import Options, new_options
+from situgraph.matching.peaks import feasible, raised
 from situgraph.matching.pointers import pointer, read
-from situgraph.matching.search import Found, search
+from situgraph.matching.search import Found, add_peak, search
 from situgraph.matching.tables import Case, Task
 from situgraph.matching.views import (
     Tally,
@@ -112,6 +113,7 @@ def _find_peaks(seen, plan, limits, content, task, room, shifts):
         count[2] = done[2]
         task.storeys[:] = shifts[z]
         found = search(case, alike, Found(np.empty((16, 4)), count))
+        found = _raise_all(case, found)
         more = np.empty((len(out) + count[0], 5))
         more[: len(out)] = out
         for k in range(count[0]):
@@ -123,6 +125,20 @@ def _find_peaks(seen, plan, limits, content, task, room, shifts):
         done[2] = count[2]
         done[3] = max(done[3], count[3])
     return out, alike, done
+
+
+@kernel
+def _raise_all(case, found):
+    """Add the higher peaks beside those found."""
+    at = np.empty(3)
+    for k in range(found.count[0]):
+        for axis in range(3):
+            at[axis] = found.peak[k, axis]
+        feasible(case, case.one, at)
+        height = raised(case, at, found.peak[k, 3])
+        if height > found.peak[k, 3]:
+            found = add_peak(found, at, height)
+    return found
 
 
 @entry

@@ -19,6 +19,7 @@ from situgraph.matching.views import copy_view, evidence, fixes, look, tally_pla
 
 ROUNDS = 30
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
+LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 
 
@@ -130,6 +131,55 @@ def climb(case, at):
         if stays:
             break
     return height
+
+
+@kernel
+def raised(case, at, height):
+    """Climb on from a peak ``at`` (3,) while that helps with one plane let go, or held again.
+
+    Peaks that are the same placement differ in which planes fit. ``case.one`` must be the view at
+    the peak; returns L where it ends.
+    """
+    view, limits = read(case.one), read(case.limits)
+    goal, tried = np.empty(3), np.empty(3)
+    better = True
+    while better:
+        better = False
+        # Letting a plane go gains at most what all planes that fit pay for their residuals.
+        strained = _strain(case) > limits.fit_peak - limits.moved_base
+        for i in range(len(view.state)):
+            state = view.state[i]
+            if state != MOVED and (state != FIT or not strained):
+                continue
+            view.state[i] = FIT if state == MOVED else MOVED
+            optimum(case, case.one, at, goal)
+            view.state[i] = state
+            _part_way(goal, goal, 0.0, 0.0, tried)
+            if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
+                continue
+            if _same(case):
+                continue
+            copy_view(case.two, case.one)
+            value = climb(case, tried)
+            if value > height + LEAST_GAIN:
+                height = value
+                _part_way(tried, tried, 0.0, 0.0, at)
+                better = True
+            else:
+                feasible(case, case.one, at)
+    return height
+
+
+@kernel
+def _strain(case):
+    """What the planes that fit pay for their residuals, at most."""
+    view, limits = read(case.one), read(case.limits)
+    total = 0.0
+    for i in range(len(view.state)):
+        if view.state[i] == FIT:
+            total += view.offset[i] ** 2 * limits.plane_weight
+            total += view.bend[i] ** 2 * limits.angle_weight
+    return total
 
 
 @kernel
