@@ -10,59 +10,18 @@ py)`` plus up to ``hu`` along the axis ``(ux, uy)`` and up to ``hv`` across it.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import SLACK, Slack, may_explain, wrapped
 from situgraph.matching.lookup import find
 from situgraph.matching.pairing import add_option, pair_up
-from situgraph.matching.pointers import read
-from situgraph.matching.tables import Flags, Floats, Ints
 
 YAW, TURN, PX, PY, UX, UY, HU, HV, AX, AY = range(10)  # columns of a box
 SIDES = 10
 
 
-class Spans(NamedTuple):
-    """For each online room, where in the box it can be explained; and its planes' spans."""
-
-    low: Floats  # (3, N) yaw, along, across
-    high: Floats  # (3, N)
-    required: Flags  # (N,) rooms that must be explained
-    sorted: Floats  # (N,) to select in
-    turn_low: Floats  # (n,) yaws for which a plane can fit
-    turn_high: Floats  # (n,)
-    nu: Floats  # (n,) its normal in the box's axes
-    nv: Floats  # (n,)
-    off_low: Floats  # (n,) moves along its normal for which it can fit
-    off_high: Floats  # (n,)
-    kind: Ints  # (n,) 0: cannot fit, 1: one direction, 2: several
-    wide: Flags  # (N,) rooms of which the box is too wide to say where they go
-
-
-@kernel
-def new_spans(rooms, widest):
-    """Spans of nothing, no room required."""
-    return Spans(
-        np.empty((3, rooms)),
-        np.empty((3, rooms)),
-        np.zeros(rooms, dtype=np.bool_),
-        np.empty(rooms),
-        np.empty(widest),
-        np.empty(widest),
-        np.empty(widest),
-        np.empty(widest),
-        np.empty(widest),
-        np.empty(widest),
-        np.zeros(widest, dtype=np.int64),
-        np.zeros(rooms, dtype=np.bool_),
-    )
-
-
-@kernel
+@part
 def slack_of(box, wx, wy):
     """What may change inside the box for a room that lies at ``(wx, wy)`` from the anchor.
 
@@ -74,16 +33,16 @@ def slack_of(box, wx, wy):
     )
 
 
-@kernel
+@part
 def radius(box):
     """How far the anchor moves inside the box."""
     return math.sqrt(box[HU] ** 2 + box[HV] ** 2)
 
 
-@kernel
+@part
 def possible(case, box, r):
     """Whether room ``r`` may be explained somewhere in the box."""
-    seen, finder, task = read(case.seen), read(case.finder), read(case.task)
+    seen, finder, task = case.seen, case.finder, case.task
     storey = task.storeys[seen.storey[r]]
     if storey < 0:
         return False
@@ -105,7 +64,7 @@ def possible(case, box, r):
     return False
 
 
-@kernel
+@part
 def shrink(case, box):
     """Cut from the box what cannot be feasible; False when nothing is left.
 
@@ -114,10 +73,10 @@ def shrink(case, box):
     sides.
     """
     seen, options, spans, task = (
-        read(case.seen),
-        read(case.options),
-        read(case.spans),
-        read(case.task),
+        case.seen,
+        case.options,
+        case.spans,
+        case.task,
     )
     rooms = len(seen.storey)
     counted = 0
@@ -126,7 +85,7 @@ def shrink(case, box):
         if _span(case, box, r):
             counted += 1
         else:
-            spans.low[0, r] = np.inf
+            spans.low[0, r] = math.inf
             if spans.required[r] or counted + rooms - r - 1 < task.least:
                 return False
     if not _enough_apart(case):
@@ -149,16 +108,16 @@ def shrink(case, box):
     return True
 
 
-@kernel
+@part
 def _extreme(case, bound, sign):
     """The ``least``-th smallest of ``sign * bound`` over the rooms.
 
     Not below any required room's.
     """
-    spans, task = read(case.spans), read(case.task)
-    count, must = 0, -np.inf
+    spans, task = case.spans, case.task
+    count, must = 0, -math.inf
     for r in range(len(bound)):
-        if spans.low[0, r] == np.inf:
+        if spans.low[0, r] == math.inf:
             continue
         value = sign * bound[r]
         if spans.required[r] and value > must:
@@ -172,10 +131,10 @@ def _extreme(case, bound, sign):
     return max(spans.sorted[task.least - 1], must)
 
 
-@kernel
+@part
 def _enough_apart(case):
     """Whether enough rooms can go to prior rooms of their own."""
-    options, spans, task = read(case.options), read(case.spans), read(case.task)
+    options, spans, task = case.options, case.spans, case.task
     free = 0
     for r in range(len(options.count)):
         if options.count[r] < 0:  # anything is possible
@@ -196,14 +155,14 @@ def _enough_apart(case):
     unknown = 0
     for r in range(len(options.count)):
         unknown += options.count[r] == 0 and spans.wide[r]
-    return unknown + pair_up(case, read(case.two).room) >= task.least
+    return unknown + pair_up(case, case.two.room) >= task.least
 
 
-@kernel
+@part
 def _span(case, box, r):
     """Where in the box ``r`` can be explained, as a hull on the three axes; False when nowhere."""
-    seen, finder, options = read(case.seen), read(case.finder), read(case.options)
-    spans, task = read(case.spans), read(case.task)
+    seen, finder, options = case.seen, case.finder, case.options
+    spans, task = case.spans, case.task
     storey = task.storeys[seen.storey[r]]
     spans.wide[r] = False
     if storey < 0:
@@ -224,7 +183,7 @@ def _span(case, box, r):
     slack = slack_of(box, wx, wy)
     x, y = box[PX] + wx, box[PY] + wy
     for side in range(3):
-        spans.low[side, r], spans.high[side, r] = np.inf, -np.inf
+        spans.low[side, r], spans.high[side, r] = math.inf, -math.inf
     for k in range(found):
         a = finder.room[k]
         if not room_allowed(case, r, a):
@@ -234,26 +193,26 @@ def _span(case, box, r):
         _plane_spans(case, r, a, box[YAW], x, y, slack)
         if _hull(case, half, r):
             add_option(case, r, a, 0.0)
-    return spans.low[0, r] < np.inf
+    return spans.low[0, r] < math.inf
 
 
-@kernel
+@part
 def _plane_spans(case, r, a, yaw, x, y, slack):
     """For each plane of ``r``: for which turns, and which moves along its normal.
 
     It can fit in ``a``.
     """
     seen, plan, limits, spans = (
-        read(case.seen),
-        read(case.plan),
-        read(case.limits),
-        read(case.spans),
+        case.seen,
+        case.plan,
+        case.limits,
+        case.spans,
     )
     begin = seen.first[r]
     for i in range(begin, seen.first[r + 1]):
         k = i - begin
         spans.kind[k] = 0
-        spans.turn_low[k], spans.turn_high[k] = np.inf, -np.inf
+        spans.turn_low[k], spans.turn_high[k] = math.inf, -math.inf
         for j in range(plan.first[a], plan.first[a + 1]):
             bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
             if abs(bend) > limits.angle + slack.turn + SLACK:
@@ -290,19 +249,19 @@ def _plane_spans(case, r, a, yaw, x, y, slack):
                 spans.kind[k] = 2
 
 
-@kernel
+@part
 def _arcsine(value, most):
     """The angle of a sine, cut to the box."""
     return math.asin(min(max(value, -most), most))
 
 
-@kernel
+@part
 def _hull(case, half, r):
     """Widen the room's spans by where the planes just measured let it be explained.
 
     False if nowhere.
     """
-    seen, spans = read(case.seen), read(case.spans)
+    seen, spans = case.seen, case.spans
     begin = seen.first[r]
     if seen.flat[r]:
         return _flat_hull(case, half, r, seen.first[r + 1] - begin)
@@ -339,10 +298,10 @@ def _hull(case, half, r):
     return some
 
 
-@kernel
+@part
 def _flat_hull(case, half, r, n):
     """The same for a room of parallel planes: all must fit, and they bound one direction only."""
-    spans = read(case.spans)
+    spans = case.spans
     low, high = -half[0], half[0]
     u0, u1, v0, v1 = -half[1], half[1], -half[2], half[2]
     for k in range(n):
@@ -365,9 +324,9 @@ def _flat_hull(case, half, r, n):
     return True
 
 
-@kernel
+@part
 def _widen(case, r, low, high, u0, u1, v0, v1):
-    spans = read(case.spans)
+    spans = case.spans
     spans.low[0, r], spans.high[0, r] = min(spans.low[0, r], low), max(spans.high[0, r], high)
     spans.low[1, r], spans.high[1, r] = min(spans.low[1, r], u0), max(spans.high[1, r], u1)
     spans.low[2, r], spans.high[2, r] = min(spans.low[2, r], v0), max(spans.high[2, r], v1)

@@ -12,26 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from situgraph.matching.compiled import kernel
-from situgraph.matching.pointers import read
-from situgraph.matching.tables import Ints
+from situgraph.matching.compiled import part
+from situgraph.matching.tables import Content, Ints
 from situgraph.scenegraph.graph import SceneGraph
 
 Counts = NDArray[np.int16]
-
-
-class Content(NamedTuple):
-    """What the online rooms and planes hold, and what the prior's do.
-
-    Empty when nothing is asked.
-    """
-
-    room_first: Ints  # (N + 1,)
-    room_need: Ints  # (k, 2) category, count
-    row_first: Ints  # (P + 1,)
-    row_need: Ints  # (k, 2)
-    room_have: Counts  # (M, C)
-    row_have: Counts  # (Q, C)
 
 
 class Stock(NamedTuple):
@@ -42,10 +27,10 @@ class Stock(NamedTuple):
     row_have: Counts  # (Q, C)
 
 
-@kernel
+@part
 def room_allowed(case, r, a):
     """Whether prior room ``a`` holds what online room ``r`` holds."""
-    content = read(case.content)
+    content = case.content
     if len(content.room_need) == 0:
         return True
     for k in range(content.room_first[r], content.room_first[r + 1]):
@@ -54,10 +39,10 @@ def room_allowed(case, r, a):
     return True
 
 
-@kernel
+@part
 def plane_allowed(case, i, j):
     """Whether the prior plane of row ``j`` holds what the online plane of row ``i`` holds."""
-    content = read(case.content)
+    content = case.content
     if len(content.row_need) == 0:
         return True
     for k in range(content.row_first[i], content.row_first[i + 1]):

@@ -10,10 +10,14 @@ within reach, and one look into one cell finds all rooms in question.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.compiled import entry, kernel
+from situgraph.matching.compiled import entry, part
+from situgraph.matching.config import MatchingConfig
+from situgraph.matching.records import address, record_at, slots_of
+from situgraph.matching.tables import Floats, Ints, Short, Table
 
 NEAR_CELL, NEAR_REACH = 1.0, 1.5
 FAR_CELL, FAR_REACH = 4.0, 6.0
@@ -22,7 +26,7 @@ ROUNDING = math.radians(0.5)
 MOST_CORNERS = 600  # of one room; rooms with more are tried everywhere
 
 
-@kernel
+@part
 def bucket(storey, sector, ix, iy):
     """A well mixed number of a cell, below 2^40."""
     h = (
@@ -35,15 +39,18 @@ def bucket(storey, sector, ix, iy):
     return np.int64(h >> np.uint64(24))
 
 
-@kernel
+@part
 def sector_of(angle):
     """The sector of a direction."""
     return math.floor(angle / (2 * math.pi) * SECTORS) % SECTORS
 
 
-@kernel
+@part
 def corners_of(first, row, a, least_sine, out):
-    """Crossings of room ``a``'s planes into ``out`` (k, 3): x, y, direction of the first plane."""
+    """Crossings of room ``a``'s planes into ``out`` (k, 3): x, y, direction of the first plane.
+
+    Returns their number, even where there is no room for all.
+    """
     count = 0
     for i in range(first[a], first[a + 1]):
         for j in range(first[a], first[a + 1]):
@@ -58,40 +65,62 @@ def corners_of(first, row, a, least_sine, out):
     return count
 
 
+class Entering(NamedTuple):
+    """The rooms to be entered, and the table."""
+
+    first: Ints  # (M + 1,)
+    row: Table  # (Q, 4)
+    storey: Ints  # (M,)
+    start: Ints  # (2^bits + 1,) counts, then, for the second pass, where each bucket begins
+    room: Short  # (k,); empty when they are only counted
+    tag: Short
+    corner: Table  # (MOST_CORNERS, 3)
+    cell: float
+    reach: float
+    slack: float
+    sine: float
+    bits: int
+
+
 @entry
-def enter_corners(first, row, storey, cell, reach, slack, least_sine, bits, start, room, tag):
-    """Enter all corners; with empty ``room`` only count them (into ``start[bucket + 1]``).
+def enter_corners(place):
+    """Enter all corners of an ``Entering``; with empty ``room`` only count them.
 
-    ``start`` must hold counts, then, for the second pass, where each bucket begins.
+    Into ``start[bucket + 1]``.
     """
-    mask = (1 << bits) - 1
-    found = np.empty((MOST_CORNERS, 3))
-    fill = len(room) > 0
-    for a in range(len(storey)):
-        count = corners_of(first, row, a, least_sine, found)
-        if count > MOST_CORNERS:
-            continue
-        for c in range(count):
-            low = sector_of(found[c, 2] - slack)
-            high = sector_of(found[c, 2] + slack)
-            x0 = math.floor((found[c, 0] - reach) / cell)
-            x1 = math.floor((found[c, 0] + reach) / cell)
-            y0 = math.floor((found[c, 1] - reach) / cell)
-            y1 = math.floor((found[c, 1] + reach) / cell)
-            for s in range((high - low) % SECTORS + 1):
-                for ix in range(x0, x1 + 1):
-                    for iy in range(y0, y1 + 1):
-                        h = bucket(storey[a], (low + s) % SECTORS, ix, iy)
-                        b = h & mask
-                        if fill:
-                            room[start[b]] = a
-                            tag[start[b]] = (h >> 24) & 0xFFFF
-                            start[b] += 1
-                        else:
-                            start[b + 1] += 1
+    table = record_at(place, Entering)
+    for a in range(len(table.storey)):
+        count = corners_of(table.first, table.row, a, table.sine, table.corner)
+        if count <= MOST_CORNERS:
+            for c in range(count):
+                _enter(table, a, table.corner[c])
 
 
-def corner_table(first, row, storey, cell, reach, config):
+@part
+def _enter(table, a, corner):
+    start, cell, reach = table.start, table.cell, table.reach
+    mask = (1 << table.bits) - 1
+    low = sector_of(corner[2] - table.slack)
+    sectors = (sector_of(corner[2] + table.slack) - low) % SECTORS + 1
+    y0, y1 = math.floor((corner[1] - reach) / cell), math.floor((corner[1] + reach) / cell)
+    for s in range(sectors):
+        for ix in range(
+            math.floor((corner[0] - reach) / cell), math.floor((corner[0] + reach) / cell) + 1
+        ):
+            for iy in range(y0, y1 + 1):
+                h = bucket(table.storey[a], (low + s) % SECTORS, ix, iy)
+                b = h & mask
+                if len(table.room) == 0:
+                    start[b + 1] += 1
+                else:
+                    table.room[start[b]] = a
+                    table.tag[start[b]] = (h >> 24) & 0xFFFF
+                    start[b] += 1
+
+
+def corner_table(
+    first: Ints, row: Floats, storey: Ints, cell: float, reach: float, config: MatchingConfig
+) -> tuple[Ints, Any, Any]:
     """Buckets of corners: ``start`` (2^bits + 1,), rooms and tags."""
     slack = 2 * config.angle_tolerance + ROUNDING
     least = 0.95 * math.sin(max(math.asin(config.parallel_sine) - 2 * config.angle_tolerance, 0.01))
@@ -99,11 +128,15 @@ def corner_table(first, row, storey, cell, reach, config):
     cells = (2 * reach / cell + 1) ** 2 * 2
     bits = int(np.clip(math.ceil(math.log2(max(corners.sum() * cells, 1))), 6, 24))
     start = np.zeros((1 << bits) + 1, dtype=np.int64)
-    nothing = np.empty(0, dtype=np.int32)
-    enter_corners(first, row, storey, cell, reach, slack, least, bits, start, nothing, nothing)
+    room = tag = np.empty(0, dtype=np.int32)
+    work = np.empty((MOST_CORNERS, 3))
+    tables = (first, row, storey)
+    sizes = (work, cell, reach, slack, least, bits)
+    block = slots_of(Entering, (*tables, start, room, tag, *sizes))
+    enter_corners(address(block))
     np.cumsum(start, out=start)
-    room = np.empty(start[-1], dtype=np.int32)
-    tag = np.empty(start[-1], dtype=np.int32)
-    filled = start.copy()
-    enter_corners(first, row, storey, cell, reach, slack, least, bits, filled, room, tag)
+    room, tag = (np.empty(int(start[-1]), dtype=np.int32) for _ in range(2))
+    at = start.copy()
+    block = slots_of(Entering, (*tables, at, room, tag, *sizes))
+    enter_corners(address(block))
     return start, room, tag

@@ -1,190 +1,229 @@
-"""What Python calls: all peaks of a match, and the correspondences at one placement."""
+"""What Python calls: all peaks of a match, and the correspondences at placements."""
 
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.boxes import (
-    SIDES,
-    Spans,
-    new_spans,
-)
-from situgraph.matching.compiled import entry, kernel
+from situgraph.matching.boxes import SIDES
+from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
-from situgraph.matching.explained import Bench, new_bench
 from situgraph.matching.hypotheses import fits_somewhere
-from situgraph.matching.lookup import Finder, new_finder
-from situgraph.matching.pairing import Options, new_options
 from situgraph.matching.peaks import feasible, raised
-from situgraph.matching.pointers import pointer, read
-from situgraph.matching.search import Found, add_peak, search
-from situgraph.matching.tables import Case, Task
-from situgraph.matching.views import (
+from situgraph.matching.records import address, allocated, record_at, scratch, slots_of
+from situgraph.matching.search import add_peak, search
+from situgraph.matching.tables import (
+    Bench,
+    Case,
+    Content,
+    Finder,
+    Floats,
+    Found,
+    Groups,
+    Ints,
+    IntTable,
+    Limits,
+    Options,
+    Pairing,
+    Plan,
+    Seen,
+    Spans,
+    Table,
     Tally,
+    Task,
     View,
-    look,
-    new_tally,
-    new_view,
 )
+from situgraph.matching.views import look
+
+DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
+PEAKS = 1024  # to begin with
 
 
-@kernel
-def shapes_alike(case):
-    """For each online room, how many prior rooms explain it in isolation."""
-    seen, plan = read(case.seen), read(case.plan)
-    rooms = len(seen.storey)
-    alike = np.zeros(rooms, dtype=np.int64)
-    boxes = np.empty((256, SIDES))
-    for r in range(rooms):
-        if seen.first[r + 1] - seen.first[r] < 3:
-            continue
-        for a in range(len(plan.storey)):
-            if room_allowed(case, r, a) and fits_somewhere(case, r, a, boxes):
-                alike[r] += 1
-    return alike
+class Search(NamedTuple):
+    """A search for all shifts of the storeys."""
+
+    case: Case
+    shifts: IntTable  # (k, U)
+    shift: Ints  # (c,) of each peak
+    place: Table  # (c, 4) yaw, x, y, L
+    count: Ints  # type: ignore[assignment]  # (4,) peaks, hypotheses, boxes, incomplete
 
 
-class Room(NamedTuple):
-    """Room to work in; one per match."""
+class Sights(NamedTuple):
+    """Placements to look at; ``View``'s fields, a placement a row."""
 
-    finder: Finder
-    bench: Bench
-    options: Options
-    tally: Tally
-    spans: Spans
-    one: View
-    two: View
+    case: Case
+    shifts: IntTable
+    shift: Ints  # (k,)
+    place: Table  # (k, 3)
+    room: IntTable
+    row: IntTable
+    state: IntTable
+    offset: Table
+    bend: Table
 
 
-@kernel
-def new_room(seen, plan):
-    """Room to work in for these tables."""
-    rooms, rows = len(seen.storey), len(seen.angle)
-    widest, broadest = 1, 1
-    for r in range(rooms):
-        widest = max(widest, seen.first[r + 1] - seen.first[r])
-    for a in range(len(plan.storey)):
-        broadest = max(broadest, plan.first[a + 1] - plan.first[a])
-    return Room(
-        new_finder(len(plan.storey)),
-        new_bench(widest, broadest),
-        new_options(rooms, len(plan.storey)),
-        new_tally(seen.planes),
-        new_spans(rooms, widest),
-        new_view(rooms, rows),
-        new_view(rooms, rows),
-    )
+def find_peaks(
+    seen: Seen, plan: Plan, limits: Limits, content: Content, shifts: Ints, least: int
+) -> tuple[Floats, Ints, Ints]:
+    """All peaks (k, 5) for all shifts of the storeys: row of ``shifts``, yaw, x, y, L.
+
+    And how many prior rooms are like each online room; and what was done: peaks, hypotheses,
+    boxes, 1 when incomplete.
+    """
+    most = PEAKS
+    while True:
+        case, kept = _case(seen, plan, limits, content, shifts.shape[1], least, most)
+        values, block = allocated(Search, (0, (0, 0), most, (most, 4), 4))
+        block = np.array(block)
+        block[0] = address(case)
+        block[1:4] = address(shifts), *shifts.shape
+        search_all(address(block))
+        _, _, shift, place, count = values
+        if count[0] <= most:
+            found = int(count[0])
+            peaks = np.column_stack([shift[:found], place[:found]])
+            alike: Ints = kept["alike"]
+            return peaks, alike, count
+        most *= 16
+
+
+def views_at(
+    seen: Seen,
+    plan: Plan,
+    limits: Limits,
+    content: Content,
+    shifts: Ints,
+    shift: Ints,
+    at: Floats,
+) -> View:
+    """What is explained when the mean room centre goes to ``at`` (k, 3): yaw, x, y; strictly.
+
+    Storeys are shifted by the rows ``shift`` (k,) of ``shifts``. Returns ``View``'s fields, a
+    placement a row.
+    """
+    case, _kept = _case(seen, plan, limits, content, shifts.shape[1], 0, 0)
+    rooms, rows, n = len(seen.storey), len(seen.angle), len(at)
+    values, _ = allocated(View, (n * rooms, n * rows, n * rows, n * rows, n * rows))
+    made = View(values[0].reshape(n, rooms), *(v.reshape(n, rows) for v in values[1:]))
+    at = np.ascontiguousarray(at, dtype=np.float64)
+    shift = np.ascontiguousarray(shift, dtype=np.int64)
+    block = slots_of(Sights, (case, shifts, shift, at, *made))
+    look_all(address(block))
+    return made
+
+
+def _case(
+    seen: Seen,
+    plan: Plan,
+    limits: Limits,
+    content: Content,
+    storeys: int,
+    least: int,
+    peaks: int,
+) -> tuple[Any, dict[str, Any]]:
+    """The block of a case, and what must be kept while it is used."""
+    rooms, rows, prior = len(seen.storey), len(seen.angle), len(plan.storey)
+    widest = int(np.diff(seen.first).max(initial=1))
+    room_work = (rooms, rooms)
+    plane_work = (widest, plan.widest + 1)
+    columns = prior + rooms
+    view = (rooms, rows, rows, rows, rows)
+    work: list[tuple[Any, Any]] = [
+        (Task, (least, storeys)),
+        (Finder, (prior, prior, 1)),
+        (Bench, (plane_work, plane_work, plane_work, widest, widest + 1, *[widest] * 3)),
+        (Options, (room_work, room_work, rooms, prior)),
+        (Pairing, (*[columns] * 7, *[rooms] * 3)),
+        (Tally, ((seen.planes, 5), seen.planes)),
+        (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
+        (Groups, (rooms + 2, rooms, rooms, rooms)),
+        (Found, ((peaks, 4), 4, rooms, (DEPTH, SIDES))),
+        (View, view),
+        (View, view),
+    ]
+    made = [allocated(declared, shapes) for declared, shapes in work]
+    blocks = [seen.slots, plan.slots, slots_of(Limits, limits), slots_of(Content, content)]
+    blocks += [block for _, block in made]
+    kept = {"made": made, "blocks": blocks, "alike": made[8][0][2]}
+    return np.array([address(block) for block in blocks], dtype=np.int64), kept
 
 
 @entry
-def find_peaks(seen, plan, limits, content, shifts, least):
-    """All peaks for all shifts of the storeys: (shift, yaw, x, y, L), shapes alike.
-
-    What was done.
-    """
-    task = Task(least, np.empty(shifts.shape[1], dtype=np.int64))
-    # What is pointed at must outlive the call below, so it is made here.
-    return _find_peaks(seen, plan, limits, content, task, new_room(seen, plan), shifts)
+def search_all(place):
+    """Fill a ``Search``."""
+    _search_all(record_at(place, Search))
 
 
-@kernel
-def _find_peaks(seen, plan, limits, content, task, room, shifts):
-    case = Case(
-        pointer(seen),
-        pointer(plan),
-        pointer(limits),
-        pointer(content),
-        pointer(task),
-        pointer(room.finder),
-        pointer(room.bench),
-        pointer(room.options),
-        pointer(room.tally),
-        pointer(room.spans),
-        pointer(room.one),
-        pointer(room.two),
-    )
-    alike = shapes_alike(case)
-    done = np.zeros(4, dtype=np.int64)
-    out = np.empty((0, 5))
-    for z in range(len(shifts)):
-        count = np.zeros(4, dtype=np.int64)
-        count[2] = done[2]
-        task.storeys[:] = shifts[z]
-        found = search(case, alike, Found(np.empty((16, 4)), count))
-        found = _raise_all(case, found)
-        more = np.empty((len(out) + count[0], 5))
-        more[: len(out)] = out
-        for k in range(count[0]):
-            more[len(out) + k, 0] = z
-            more[len(out) + k, 1:] = found.peak[k]
-        out = more
-        done[0] += count[0]
-        done[1] += count[1]
-        done[2] = count[2]
-        done[3] = max(done[3], count[3])
-    return out, alike, done
+@part
+def _search_all(wanted):
+    case = wanted.case
+    task, found = case.task, case.found
+    _shapes_alike(case)
+    kept = 0
+    for z in range(len(wanted.shifts)):
+        for u in range(len(task.storeys)):
+            task.storeys[u] = wanted.shifts[z, u]
+        found.count[0] = 0
+        search(case)
+        _raise_all(case)
+        for k in range(found.count[0]):
+            if kept < len(wanted.shift) and k < len(found.peak):
+                wanted.shift[kept] = z
+                for c in range(4):
+                    wanted.place[kept, c] = found.peak[k, c]
+            kept += 1
+    wanted.count[0] = kept
+    for k in range(1, 4):
+        wanted.count[k] = found.count[k]
 
 
-@kernel
-def _raise_all(case, found):
+@part
+def _raise_all(case):
     """Add the higher peaks beside those found."""
-    at = np.empty(3)
-    for k in range(found.count[0]):
+    found, at = case.found, scratch(3)
+    for k in range(min(found.count[0], len(found.peak))):
         for axis in range(3):
             at[axis] = found.peak[k, axis]
         feasible(case, case.one, at)
         height = raised(case, at, found.peak[k, 3])
         if height > found.peak[k, 3]:
-            found = add_peak(found, at, height)
-    return found
+            add_peak(case, at, height)
+
+
+@part
+def _shapes_alike(case):
+    """For each online room, how many prior rooms explain it in isolation."""
+    seen, plan, alike = case.seen, case.plan, case.found.alike
+    for r in range(len(seen.storey)):
+        if seen.first[r + 1] - seen.first[r] < 3:
+            continue
+        for a in range(len(plan.storey)):
+            if room_allowed(case, r, a) and fits_somewhere(case, r, a):
+                alike[r] += 1
 
 
 @entry
-def views_at(seen, plan, limits, content, mapping, shift, at):
-    """What is explained when the mean room centre goes to ``at`` (k, 3): yaw, x, y; strictly.
-
-    Storeys are shifted by the rows ``shift`` (k,) of ``mapping``. Returns ``View``'s fields, a
-    placement a row.
-    """
-    task = Task(0, np.empty(mapping.shape[1], dtype=np.int64))
-    rooms, rows = len(seen.storey), len(seen.angle)
-    views = View(
-        np.empty((len(at), rooms), dtype=np.int64),
-        np.empty((len(at), rows), dtype=np.int64),
-        np.empty((len(at), rows), dtype=np.int64),
-        np.empty((len(at), rows)),
-        np.empty((len(at), rows)),
-    )
-    _views_at(seen, plan, limits, content, task, new_room(seen, plan), mapping, shift, at, views)
-    return views
+def look_all(place):
+    """Fill a ``Sights``."""
+    _look_all(record_at(place, Sights))
 
 
-@kernel
-def _views_at(seen, plan, limits, content, task, room, mapping, shift, at, views):
-    case = Case(
-        pointer(seen),
-        pointer(plan),
-        pointer(limits),
-        pointer(content),
-        pointer(task),
-        pointer(room.finder),
-        pointer(room.bench),
-        pointer(room.options),
-        pointer(room.tally),
-        pointer(room.spans),
-        pointer(room.one),
-        pointer(room.two),
-    )
-    for k in range(len(at)):
-        for u in range(mapping.shape[1]):
-            task.storeys[u] = mapping[shift[k], u]
-        look(case, case.one, at[k, 0], at[k, 1], at[k, 2], 0.0, 0.0)
-        for r in range(len(seen.storey)):
-            views.room[k, r] = room.one.room[r]
-        for i in range(len(seen.angle)):
-            views.row[k, i] = room.one.row[i]
-            views.state[k, i] = room.one.state[i]
-            views.offset[k, i] = room.one.offset[i]
-            views.bend[k, i] = room.one.bend[i]
+@part
+def _look_all(sights):
+    case, at = sights.case, sights.place
+    task, view = case.task, case.one
+    for k in range(len(sights.shift)):
+        for u in range(len(task.storeys)):
+            task.storeys[u] = sights.shifts[sights.shift[k], u]
+        look(case, view, at[k, 0], at[k, 1], at[k, 2], 0.0, 0.0)
+        for r in range(len(view.room)):
+            sights.room[k, r] = view.room[r]
+        for i in range(len(view.row)):
+            sights.row[k, i] = view.row[i]
+            sights.state[k, i] = view.state[i]
+            sights.offset[k, i] = view.offset[i]
+            sights.bend[k, i] = view.bend[i]

@@ -12,12 +12,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.containment import plane_allowed
-from situgraph.matching.pointers import read
-from situgraph.matching.tables import FIT, MISSING, MOVED, Floats, Ints
+from situgraph.matching.tables import FIT, MISSING, MOVED
 
 SLACK = 1e-9  # equality at a limit
 MOST_STEPS = 20_000  # of the search for the best assignment of one room's planes
@@ -37,48 +34,19 @@ class Slack(NamedTuple):
     swing: float  # sin(turn)
 
 
-class Bench(NamedTuple):
-    """Room to work for ``explain``: the counterparts each plane can have, best first."""
-
-    row: Ints  # (n, m) prior row, -1 for none
-    value: Floats  # (n, m) log ratio
-    fits: Ints  # (n, m) state
-    count: Ints  # type: ignore[assignment]  # (n,)
-    best: Floats  # (n + 1,) largest sum from a plane on
-    pick: Ints  # (n,) the choice tried
-    kept: Ints  # (n,) the best choice's rows
-    state: Ints  # (n,) and their states
-
-
-@kernel
-def new_bench(planes, counterparts):
-    """A bench for online rooms of so many planes and prior rooms of so many."""
-    shape = (planes, counterparts + 1)
-    return Bench(
-        np.empty(shape, dtype=np.int64),
-        np.empty(shape),
-        np.empty(shape, dtype=np.int64),
-        np.empty(planes, dtype=np.int64),
-        np.empty(planes + 1),
-        np.empty(planes, dtype=np.int64),
-        np.empty(planes, dtype=np.int64),
-        np.empty(planes, dtype=np.int64),
-    )
-
-
-@kernel
+@part
 def no_slack():
     """The slack of a single placement."""
     return Slack(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@kernel
+@part
 def wrapped(angle):
     """An angle in [-pi, pi]."""
     return angle - 2 * math.pi * round(angle / (2 * math.pi))
 
 
-@kernel
+@part
 def give(slack, nx, ny):
     """By how much the offset of a plane with this normal can change inside the box."""
     along = abs(nx * slack.ux + ny * slack.uy) * slack.hu
@@ -88,10 +56,10 @@ def give(slack, nx, ny):
     return along + across + bend + swing
 
 
-@kernel
+@part
 def may_explain(case, r, a, yaw, x, y, slack):
     """A quick necessary test: counterparts and fitting planes are counted, not assigned."""
-    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
+    seen, plan, limits = case.seen, case.plan, case.limits
     missing = 0
     first_fit = 0.0
     fits, crossed = 0, False
@@ -126,10 +94,10 @@ def may_explain(case, r, a, yaw, x, y, slack):
     return crossed or (fits >= 2 and _any_crossed(case, r, a, yaw, x, y, slack))
 
 
-@kernel
+@part
 def _any_crossed(case, r, a, yaw, x, y, slack):
     """Whether two planes that may fit are not parallel, the first one aside."""
-    seen, limits = read(case.seen), read(case.limits)
+    seen, limits = case.seen, case.limits
     for i in range(seen.first[r], seen.first[r + 1]):
         if not _may_fit(case, i, a, yaw, x, y, slack):
             continue
@@ -141,9 +109,9 @@ def _any_crossed(case, r, a, yaw, x, y, slack):
     return False
 
 
-@kernel
+@part
 def _may_fit(case, i, a, yaw, x, y, slack):
-    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
+    seen, plan, limits = case.seen, case.plan, case.limits
     for j in range(plan.first[a], plan.first[a + 1]):
         bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
         if abs(bend) > limits.angle + slack.turn + SLACK:
@@ -155,13 +123,13 @@ def _may_fit(case, i, a, yaw, x, y, slack):
     return False
 
 
-@kernel
+@part
 def explain(case, r, a, yaw, x, y, slack):
     """The room score of the best assignment that explains ``r`` by ``a``; -inf when none does.
 
     The assignment is left in ``bench.kept`` (prior rows, -1 for missing) and ``bench.state``.
     """
-    seen, limits, bench = read(case.seen), read(case.limits), read(case.bench)
+    seen, limits, bench = case.seen, case.limits, case.bench
     begin = seen.first[r]
     n = seen.first[r + 1] - begin
     bare = 0
@@ -171,7 +139,7 @@ def explain(case, r, a, yaw, x, y, slack):
         if count == 0:
             bare += 1
             if strict or bare > 1:
-                return -np.inf
+                return -math.inf
         if not strict:
             _insert(case, i, count, -1, limits.missing, MISSING)
             count += 1
@@ -187,10 +155,10 @@ def explain(case, r, a, yaw, x, y, slack):
     return _search(case, begin, n, strict)
 
 
-@kernel
+@part
 def _counterparts(case, plane, i, a, yaw, x, y, slack, strict):
     """List the prior planes that plane ``i`` can correspond to, the likeliest first."""
-    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
+    seen, plan, limits = case.seen, case.plan, case.limits
     count = 0
     for j in range(plan.first[a], plan.first[a + 1]):
         bend = wrapped(seen.angle[plane] + yaw - plan.row[j, 3])
@@ -213,10 +181,10 @@ def _counterparts(case, plane, i, a, yaw, x, y, slack, strict):
     return count
 
 
-@kernel
+@part
 def _insert(case, i, count, row, value, state):
     """Insert by descending value; equal values stay in order."""
-    bench = read(case.bench)
+    bench = case.bench
     k = count
     while k > 0 and bench.value[i, k - 1] < value:
         bench.row[i, k] = bench.row[i, k - 1]
@@ -228,10 +196,10 @@ def _insert(case, i, count, row, value, state):
     bench.fits[i, k] = state
 
 
-@kernel
+@part
 def _holds(case, begin, n, strict):
     """Whether the picked counterparts are distinct and meet the conditions."""
-    seen, limits, bench = read(case.seen), read(case.limits), read(case.bench)
+    seen, limits, bench = case.seen, case.limits, case.bench
     missing = 0
     for i in range(n):
         row = bench.row[i, bench.pick[i]]
@@ -256,19 +224,19 @@ def _holds(case, begin, n, strict):
     return False
 
 
-@kernel
+@part
 def _keep(case, n):
-    bench = read(case.bench)
+    bench = case.bench
     for i in range(n):
         bench.kept[i] = bench.row[i, bench.pick[i]]
         bench.state[i] = bench.fits[i, bench.pick[i]]
 
 
-@kernel
+@part
 def _search(case, begin, n, strict):
     """Depth first over the counterparts, cut by the best sum that the rest can add."""
-    bench = read(case.bench)
-    best, depth, total, missing = -np.inf, 0, 0.0, 0
+    bench = case.bench
+    best, depth, total, missing = -math.inf, 0, 0.0, 0
     for i in range(n):
         bench.pick[i] = -1
     for _ in range(MOST_STEPS):
@@ -296,9 +264,9 @@ def _search(case, begin, n, strict):
     return best
 
 
-@kernel
+@part
 def _taken(case, depth):
-    bench = read(case.bench)
+    bench = case.bench
     row = bench.row[depth, bench.pick[depth]]
     if row < 0:
         return False

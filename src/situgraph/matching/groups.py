@@ -9,33 +9,20 @@ and partners near it, which reject most of them at once.
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from situgraph.matching.compiled import kernel
-from situgraph.matching.pointers import read
-from situgraph.matching.tables import Ints
+from situgraph.matching.compiled import part
 
 
-class Groups(NamedTuple):
-    """``member[first[g]:first[g + 1]]`` are the rooms of group ``g``, its anchor first."""
-
-    first: Ints
-    member: Ints
-
-
-@kernel
-def form_groups(case, rarity, count):
+@part
+def form_groups(case, count):
     """At most ``count`` groups around rooms whose planes are not parallel, the rarest first.
 
-    ``rarity`` (N,) tells how many prior rooms are alike. There are fewer groups when fewer rooms
-    can be anchors.
+    Returns how many; there are fewer when fewer rooms can be anchors.
     """
-    seen = read(case.seen)
+    seen, rarity, groups = case.seen, case.found.alike, case.groups
     rooms = len(seen.storey)
-    group = np.full(rooms, -1, dtype=np.int64)
-    anchors = np.empty(rooms, dtype=np.int64)
+    group, anchors, first, member = groups.group, groups.anchor, groups.first, groups.member
+    for r in range(rooms):
+        group[r] = -1
     made = 0
     while made < count:
         best = -1
@@ -47,8 +34,7 @@ def form_groups(case, rarity, count):
         group[best] = made
         anchors[made] = best
         made += 1
-    first = np.zeros(made + 1, dtype=np.int64)
-    member = np.empty(rooms, dtype=np.int64)
+    first[0] = 0
     for g in range(made):
         first[g + 1] = 1
     left = rooms - made
@@ -73,18 +59,18 @@ def form_groups(case, rarity, count):
                     k -= 1
                 member[k] = r
                 at += 1
-    return Groups(first, member)
+    return made
 
 
-@kernel
+@part
 def _apart(case, one, two):
-    seen = read(case.seen)
+    seen = case.seen
     x = seen.center[one, 0] - seen.center[two, 0]
     y = seen.center[one, 1] - seen.center[two, 1]
     return x * x + y * y
 
 
-@kernel
+@part
 def _nearest(case, anchor, group):
     best = -1
     for r in range(len(group)):

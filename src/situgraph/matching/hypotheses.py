@@ -6,23 +6,21 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from situgraph.matching.boxes import AX, AY, HU, HV, PX, PY, SIDES, TURN, UX, UY, YAW, slack_of
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.explained import SLACK, explain, may_explain, no_slack, wrapped
-from situgraph.matching.pointers import read
+from situgraph.matching.records import scratch
 
 SHAPE_BOXES = 4000  # searched at most for one placement of one room in isolation
 
 
-@kernel
+@part
 def pair_box(case, i, k, j, m, wx, wy, box):
     """The box in which plane ``i`` fits ``j`` and ``k`` fits ``m``; False when there is none.
 
     Plane ``k`` may belong to another room, whose centre lies at ``(wx, wy)`` from the anchor.
     """
-    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
+    seen, plan, limits = case.seen, case.plan, case.limits
     one = wrapped(plan.row[j, 3] - seen.angle[i])
     two = one + wrapped(plan.row[m, 3] - seen.angle[k] - one)
     turn = limits.angle + SLACK - abs(two - one) / 2
@@ -47,16 +45,14 @@ def pair_box(case, i, k, j, m, wx, wy, box):
     return True
 
 
-@kernel
-def room_boxes(case, r, a, out):
-    """All boxes in which two crossing planes of ``r`` fit ``a`` and it may be explained.
-
-    Into ``out`` (k, SIDES), anchored at the room's centre; returns how many there are. When
-    ``out`` is too small, the number is right all the same.
-    """
-    seen, plan = read(case.seen), read(case.plan)
-    count = 0
-    box = np.empty(SIDES)
+@part
+def fits_somewhere(case, r, a):
+    """Whether ``a`` explains ``r`` in isolation, at any placement."""
+    known = _rectangles(case, r, a)
+    if known >= 0:
+        return known == 1
+    seen, plan = case.seen, case.plan
+    box = scratch(SIDES)
     box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
     for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
         i, k = seen.crossed[c, 0], seen.crossed[c, 1]
@@ -65,43 +61,33 @@ def room_boxes(case, r, a, out):
                 if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, box):
                     continue
                 slack = slack_of(box, 0.0, 0.0)
-                if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
-                    continue
-                if count < len(out):
-                    for side in range(SIDES):
-                        out[count, side] = box[side]
-                count += 1
-    return count
-
-
-@kernel
-def fits_somewhere(case, r, a, boxes):
-    """Whether ``a`` explains ``r`` in isolation, at any placement; ``boxes`` is room to work in."""
-    known = _rectangles(case, r, a)
-    if known >= 0:
-        return known == 1
-    count = room_boxes(case, r, a, boxes)
-    for b in range(min(count, len(boxes))):  # noqa: SIM110
-        if _explained_in(case, r, a, boxes[b]):
-            return True
+                if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack) and _explained_in(
+                    case, r, a, box
+                ):
+                    return True
     return False
 
 
-@kernel
+@part
 def _rectangles(case, r, a):
     """Whether ``a`` explains ``r`` when both are rectangles: 1 yes, 0 no, -1 they are not.
 
     One plane of each direction can always be made to fit, and one of the other two may be missing.
     So a width that agrees, within what a plane that fits and one that is moved allow, is enough.
     """
-    seen, plan, limits = read(case.seen), read(case.plan), read(case.limits)
+    seen, plan, limits = case.seen, case.plan, case.limits
     i, j = seen.first[r], plan.first[a]
-    if seen.first[r + 1] - i != 4 or plan.first[a + 1] - j != 4 or len(_needs(case)) > 0:
+    if seen.first[r + 1] - i != 4 or plan.first[a + 1] - j != 4 or len(case.content.row_need) > 0:
         return -1
-    one, three = _opposite(seen.angle[i : i + 4], limits.angle / 2)
+    angle = scratch(4)
+    for k in range(4):
+        angle[k] = seen.angle[i + k]
+    one, three = _opposite(angle, limits.angle / 2)
     if one < 0:
         return -1
-    two, four = _opposite(plan.row[j : j + 4, 3], 1e-9)
+    for k in range(4):
+        angle[k] = plan.row[j + k, 3]
+    two, four = _opposite(angle, 1e-9)
     if two < 0:
         return -1
     width = seen.distance[i] + seen.distance[i + one]
@@ -109,18 +95,12 @@ def _rectangles(case, r, a):
     along = plan.row[j, 2] + plan.row[j + two, 2]
     across = plan.row[j + four // 4, 2] + plan.row[j + four % 4, 2]
     most = limits.fit + limits.moved + 2 * SLACK
-    for theirs in (along, across):
-        if abs(width - theirs) <= most or abs(depth - theirs) <= most:
-            return 1
-    return 0
+    if min(abs(width - along), abs(depth - along)) <= most:
+        return 1
+    return 1 if min(abs(width - across), abs(depth - across)) <= most else 0
 
 
-@kernel
-def _needs(case):
-    return read(case.content).row_need
-
-
-@kernel
+@part
 def _opposite(angle, spread):
     """Of four directions, the one opposite the first, and the other two as ``4 * k + m``.
 
@@ -138,37 +118,43 @@ def _opposite(angle, spread):
     return -1, -1
 
 
-@kernel
+@part
 def _explained_in(case, r, a, start):
-    limits = read(case.limits)
-    stack = np.empty((64, SIDES))
-    stack[0] = start
+    limits = case.limits
+    stack, box = case.found.stack, scratch(SIDES)
+    copy_box(start, stack[0])
     depth = 1
     for _ in range(SHAPE_BOXES):
         if depth == 0:
             return False
         depth -= 1
-        box = stack[depth].copy()
+        copy_box(stack[depth], box)
         x, y = box[PX], box[PY]
-        if explain(case, r, a, box[YAW], x, y, no_slack()) > -np.inf:
+        if explain(case, r, a, box[YAW], x, y, no_slack()) > -math.inf:
             return True
         slack = slack_of(box, 0.0, 0.0)
-        if explain(case, r, a, box[YAW], x, y, slack) == -np.inf:
+        if explain(case, r, a, box[YAW], x, y, slack) == -math.inf:
             continue
-        widths = (5 * box[TURN], box[HU], box[HV])
-        side = 0
-        if widths[1] > widths[side]:
-            side = 1
-        if widths[2] > widths[side]:
-            side = 2
-        if widths[side] < limits.smallest_step or depth > 61:
+        side, widest = 0, 5 * box[TURN]
+        if box[HU] > widest:
+            side, widest = 1, box[HU]
+        if box[HV] > widest:
+            side, widest = 2, box[HV]
+        if widest < limits.smallest_step or depth + 2 > len(stack):
             continue
         split(box, side, stack[depth], stack[depth + 1])
         depth += 2
     return False
 
 
-@kernel
+@part
+def copy_box(source, target):
+    """Copy a box."""
+    for k in range(SIDES):
+        target[k] = source[k]
+
+
+@part
 def split(box, side, one, two):
     """The two halves of a box, cut across an axis: 0 the yaw, 1 along, 2 across."""
     for k in range(SIDES):

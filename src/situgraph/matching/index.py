@@ -19,6 +19,7 @@ from situgraph.matching.corners import (
     corner_table,
 )
 from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
+from situgraph.matching.records import slots_of
 from situgraph.matching.semantics import PlannedObjects, planned_objects
 from situgraph.matching.tables import Floats, Ints, Plan
 from situgraph.scenegraph.graph import SceneGraph
@@ -85,7 +86,9 @@ class PlanIndex:
         far = corner_table(first, row, storey, FAR_CELL, FAR_REACH, self.config)
         large = np.flatnonzero(np.diff(first) ** 2 > 2 * MOST_CORNERS)
         lines = _lines(row, room, storey[room], len(self.elevations))
-        return Plan(first, row, storey, *near, *far, large, *lines)  # type: ignore[call-arg]
+        widest = int(np.diff(first).max(initial=1))
+        made = (first, row, storey, *near, *far, large, *lines, widest)
+        return Plan(*made, slots_of(Plan, made))  # type: ignore[call-arg]
 
 
 def _area(centers: Floats, heights: Floats, margin: float) -> float:

@@ -9,11 +9,8 @@ planes, which any room with the same lines explains, however far along them).
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.corners import (
     FAR_CELL,
     FAR_REACH,
@@ -23,29 +20,9 @@ from situgraph.matching.corners import (
     sector_of,
 )
 from situgraph.matching.explained import wrapped
-from situgraph.matching.pointers import read
-from situgraph.matching.tables import Ints
 
 
-class Finder(NamedTuple):
-    """Room to work for ``find``: the rooms found, and when each was last."""
-
-    room: Ints  # (M,)
-    last: Ints  # (M,)
-    turn: Ints  # (1,) number of the present search
-
-
-@kernel
-def new_finder(rooms):
-    """A finder for a plan of so many rooms."""
-    return Finder(
-        np.empty(rooms, dtype=np.int64),
-        np.zeros(rooms, dtype=np.int64),
-        np.zeros(1, dtype=np.int64),
-    )
-
-
-@kernel
+@part
 def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
     """Find rooms on ``storey`` that might explain ``r``; returns how many stand in ``finder.room``.
 
@@ -53,7 +30,7 @@ def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
     of the map to within ``spread`` of ``(px, py)``. Of a box too wide for the index all rooms
     are returned, or -1 unless ``all_if_wide``.
     """
-    seen, plan, finder = read(case.seen), read(case.plan), read(case.finder)
+    seen, plan, finder = case.seen, case.plan, case.finder
     finder.turn[0] += 1
     c, s = math.cos(yaw), math.sin(yaw)
     if seen.flat[r]:
@@ -88,7 +65,8 @@ def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
                 finder.last[a] = finder.turn[0]
                 finder.room[count] = a
                 count += 1
-    for a in plan.large:
+    for k in range(len(plan.large)):
+        a = plan.large[k]
         if plan.storey[a] == storey and finder.last[a] != finder.turn[0]:
             finder.last[a] = finder.turn[0]
             finder.room[count] = a
@@ -96,9 +74,9 @@ def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
     return count
 
 
-@kernel
+@part
 def _everywhere(case, storey):
-    plan, finder = read(case.plan), read(case.finder)
+    plan, finder = case.plan, case.finder
     count = 0
     for a in range(len(plan.storey)):
         if plan.storey[a] == storey:
@@ -107,14 +85,14 @@ def _everywhere(case, storey):
     return count
 
 
-@kernel
+@part
 def _by_line(case, r, storey, yaw, turn, x, y, slip):
     """Rooms that have the line of the room's first plane."""
     seen, plan, limits, finder = (
-        read(case.seen),
-        read(case.plan),
-        read(case.limits),
-        read(case.finder),
+        case.seen,
+        case.plan,
+        case.limits,
+        case.finder,
     )
     i = seen.first[r]
     far = math.sqrt(x * x + y * y) + slip
@@ -127,9 +105,7 @@ def _by_line(case, r, storey, yaw, turn, x, y, slip):
         nx, ny = math.cos(plan.bin_angle[b]), math.sin(plan.bin_angle[b])
         want = seen.distance[i] - nx * x - ny * y
         width = limits.fit + slip + spread * far + 1e-6
-        k = plan.line_first[b] + np.searchsorted(
-            plan.line_offset[plan.line_first[b] : plan.line_first[b + 1]], want - width
-        )
+        k = _first_from(plan.line_offset, plan.line_first[b], plan.line_first[b + 1], want - width)
         while k < plan.line_first[b + 1] and plan.line_offset[k] <= want + width:
             a = plan.line_room[k]
             if finder.last[a] != finder.turn[0]:
@@ -138,3 +114,15 @@ def _by_line(case, r, storey, yaw, turn, x, y, slip):
                 count += 1
             k += 1
     return count
+
+
+@part
+def _first_from(offset, begin, end, least):
+    """The first row from ``begin`` on whose offset, ascending, is not below ``least``."""
+    while begin < end:
+        middle = (begin + end) // 2
+        if offset[middle] < least:
+            begin = middle + 1
+        else:
+            end = middle
+    return begin

@@ -4,46 +4,17 @@
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from situgraph.matching.compiled import kernel
-from situgraph.matching.pointers import read
-from situgraph.matching.tables import Floats, Ints
+from situgraph.matching.compiled import part
 
 TIE = 1e-9  # share of a score by which smaller prior indices are preferred
 
 
-class Options(NamedTuple):
-    """The prior rooms that explain each online room at one placement, best first, N at most.
-
-    More than N are never needed: the other rooms take N - 1 at most.
-    """
-
-    room: Ints  # (N, N)
-    score: Floats  # (N, N)
-    count: Ints  # type: ignore[assignment]  # (N,)
-    owner: Ints  # (M,) how many rooms have a prior room as an option
-
-
-@kernel
-def new_options(rooms, prior_rooms):
-    """No options yet."""
-    return Options(
-        np.empty((rooms, rooms), dtype=np.int64),
-        np.empty((rooms, rooms)),
-        np.zeros(rooms, dtype=np.int64),
-        np.zeros(prior_rooms, dtype=np.int64),
-    )
-
-
-@kernel
+@part
 def add_option(case, r, a, score):
     """Insert an option by descending score, then ascending index."""
-    options = read(case.options)
+    options = case.options
     n = options.count[r]
-    most = options.room.shape[1]
+    most = len(options.count)
     if n == most:
         if score <= options.score[r, n - 1]:
             return
@@ -61,13 +32,13 @@ def add_option(case, r, a, score):
     options.count[r] = n + 1
 
 
-@kernel
+@part
 def pair_up(case, chosen):
     """Set ``chosen[r]`` to the prior room of each online room, -1 for none.
 
     Returns how many have one.
     """
-    options = read(case.options)
+    options = case.options
     rooms = len(options.count)
     for r in range(rooms):
         for k in range(options.count[r]):
@@ -92,78 +63,94 @@ def pair_up(case, chosen):
     return pairs
 
 
-@kernel
+@part
 def _settle(case, chosen, conflicts):
-    """Assign the rooms marked -2 among the prior rooms they have as options."""
-    options = read(case.options)
-    rows = np.empty(conflicts, dtype=np.int64)
-    n = 0
+    """Assign the rooms marked -2 among the prior rooms they have as options: shortest paths.
+
+    Each row is added by the cheapest path of exchanges (Jonker and Volgenant's method, on the
+    options alone). Going without costs nothing, a room brings more than all scores together.
+    """
+    options, work = case.options, case.pairing
+    rows, n, spread = work.rows, 0, 1.0
     for r in range(len(chosen)):
         if chosen[r] == -2:
             rows[n] = r
             n += 1
-    columns = np.empty(conflicts * options.room.shape[1], dtype=np.int64)
-    m, spread = 0, 1.0
-    for i in range(conflicts):
-        r = rows[i]
-        for k in range(options.count[r]):
-            spread += abs(options.score[r, k])
-            a = options.room[r, k]
-            if options.owner[a] > 0:  # not met yet: from here on its column, negative
-                columns[m] = a
-                m += 1
-                options.owner[a] = -m
-    cost = np.zeros((conflicts, m + conflicts))
-    bonus, tie = 4 * spread, TIE / len(options.owner)
-    for i in range(conflicts):
-        r = rows[i]
-        for k in range(options.count[r]):
-            a = options.room[r, k]
-            cost[i, -options.owner[a] - 1] = -(bonus + options.score[r, k] - tie * a)
-    taken = _cheapest(cost)
+            for k in range(options.count[r]):
+                spread += abs(options.score[r, k])
+    bonus, used = 4 * spread, 0
+    for i in range(n):
+        used = _add_row(case, i, bonus, used)
     pairs = 0
-    for i in range(conflicts):
-        if taken[i] < m and cost[i, taken[i]] < 0:
-            chosen[rows[i]] = columns[taken[i]]
+    for i in range(n):
+        if work.column[i] < len(options.owner):
+            chosen[rows[i]] = work.column[i]
             pairs += 1
         else:
             chosen[rows[i]] = -1
+    for k in range(used):  # leave it as it was found
+        j = work.used[k]
+        work.mark[j] = 0
+        work.price[j] = 0.0
+        work.owner[j] = 0
     return pairs
 
 
-@kernel
-def _cheapest(cost):
-    """The column of each row in the cheapest assignment (shortest augmenting paths)."""
-    n, m = cost.shape
-    row_price, column_price = np.zeros(n + 1), np.zeros(m + 1)
-    owner, way = np.zeros(m + 1, dtype=np.int64), np.zeros(m + 1, dtype=np.int64)
-    for i in range(1, n + 1):
-        owner[0] = i
-        at = 0
-        least, used = np.full(m + 1, np.inf), np.zeros(m + 1, dtype=np.bool_)
-        while owner[at] != 0:
-            used[at] = True
-            row, delta, following = owner[at], np.inf, -1
-            for j in range(1, m + 1):
-                if not used[j]:
-                    value = cost[row - 1, j - 1] - row_price[row] - column_price[j]
-                    if value < least[j]:
-                        least[j] = value
-                        way[j] = at
-                    if least[j] < delta:
-                        delta, following = least[j], j
-            for j in range(m + 1):
-                if used[j]:
-                    row_price[owner[j]] += delta
-                    column_price[j] -= delta
-                else:
-                    least[j] -= delta
-            at = following
-        while at != 0:
-            owner[at] = owner[way[at]]
-            at = way[at]
-    column = np.empty(n, dtype=np.int64)
-    for j in range(1, m + 1):
-        if owner[j] > 0:
-            column[owner[j] - 1] = j - 1
-    return column
+@part
+def _add_row(case, start, bonus, used):
+    """Find the cheapest path from row ``start`` to a free column, and exchange along it.
+
+    ``owner`` is kept one higher, so that zero means none. Returns how many columns have been met
+    in all.
+    """
+    options, work = case.options, case.pairing
+    prior, tie = len(options.owner), TIE / len(options.owner)
+    met, i, length, end = 0, start, 0.0, -1
+    work.rent[start] = 0.0
+    while end < 0:
+        r = work.rows[i]
+        for k in range(options.count[r] + 1):
+            j, cost = prior + i, 0.0
+            if k < options.count[r]:
+                j = options.room[r, k]
+                cost = -(bonus + options.score[r, k] - tie * j)
+            if work.mark[j] == 2:
+                continue
+            reach = length + cost - work.rent[i] - work.price[j]
+            if work.mark[j] != 1:
+                if work.mark[j] == 0:
+                    work.used[used] = j
+                    used += 1
+                work.mark[j] = 1
+                work.met[met] = j
+                met += 1
+            elif reach >= work.near[j]:
+                continue
+            work.near[j] = reach
+            work.way[j] = i
+        best = -1
+        for k in range(met):
+            j = work.met[k]
+            if work.mark[j] == 1 and (best < 0 or work.near[j] < work.near[best]):
+                best = j
+        length = work.near[best]
+        work.mark[best] = 2
+        if work.owner[best] == 0:
+            end = best
+        else:
+            i = work.owner[best] - 1
+    work.rent[start] += length
+    for k in range(met):
+        j = work.met[k]
+        if work.mark[j] == 2 and j != end:
+            work.rent[work.owner[j] - 1] += length - work.near[j]
+            work.price[j] -= length - work.near[j]
+        work.mark[j] = 3
+    i = -1
+    while i != start:
+        i = work.way[end]
+        work.owner[end] = i + 1
+        following = work.column[i]
+        work.column[i] = end
+        end = following
+    return used

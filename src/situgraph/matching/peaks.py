@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.explained import wrapped
-from situgraph.matching.pointers import read
+from situgraph.matching.records import scratch
 from situgraph.matching.tables import FIT, MOVED
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
@@ -23,25 +21,27 @@ LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 
 
-@kernel
+@part
 def optimum(case, spot, at, out):
     """Into ``out`` the placement (yaw, x.
 
     Y) of the largest L for the correspondences in ``spot``.
     """
-    view = read(spot)
+    view = spot
     seen, plan, limits, tally = (
-        read(case.seen),
-        read(case.plan),
-        read(case.limits),
-        read(case.tally),
+        case.seen,
+        case.plan,
+        case.limits,
+        case.tally,
     )
     tally_planes(case, spot)
     yaw, x, y = at[0], at[1], at[2]
+    g = scratch(3)
     for _ in range(STEPS):
         c, s = math.cos(yaw), math.sin(yaw)
-        h = np.zeros((3, 3))
-        g = np.zeros(3)
+        h00 = h01 = h02 = h11 = h12 = h22 = 0.0
+        for k in range(3):
+            g[k] = 0.0
         for r in range(len(view.room)):
             if view.room[r] < 0:
                 continue
@@ -56,7 +56,7 @@ def optimum(case, spot, at, out):
                 count = tally.sums[p, 0] if fit else tally.sums[p, 3]
                 bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
                 weight = limits.angle_weight / count
-                h[0, 0] += weight
+                h00 += weight
                 g[0] += weight * bend
                 if not fit:
                     continue
@@ -64,16 +64,16 @@ def optimum(case, spot, at, out):
                 off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
                 weight = limits.plane_weight / count
                 turn = ny * ax - nx * ay
-                h[0, 0] += weight * turn * turn
-                h[0, 1] += weight * turn * nx
-                h[0, 2] += weight * turn * ny
-                h[1, 1] += weight * nx * nx
-                h[1, 2] += weight * nx * ny
-                h[2, 2] += weight * ny * ny
+                h00 += weight * turn * turn
+                h01 += weight * turn * nx
+                h02 += weight * turn * ny
+                h11 += weight * nx * nx
+                h12 += weight * nx * ny
+                h22 += weight * ny * ny
                 g[0] -= weight * turn * off
                 g[1] -= weight * nx * off
                 g[2] -= weight * ny * off
-        if not _solve(h, g):
+        if not _solve(h00, h01, h02, h11, h12, h22, g):
             break
         yaw -= g[0]
         x -= g[1]
@@ -85,10 +85,9 @@ def optimum(case, spot, at, out):
     out[2] = y
 
 
-@kernel
-def _solve(h, g):
+@part
+def _solve(a, b, c, d, e, f, g):
     """Solve the symmetric system (upper half given) in place of ``g``; False when singular."""
-    a, b, c, d, e, f = h[0, 0], h[0, 1], h[0, 2], h[1, 1], h[1, 2], h[2, 2]
     m0, m1, m2 = d * f - e * e, c * e - b * f, b * e - c * d
     det = a * m0 + b * m1 + c * m2
     if not det > 1e-12 * abs(a * d * f):
@@ -100,22 +99,22 @@ def _solve(h, g):
     return True
 
 
-@kernel
+@part
 def feasible(case, spot, at):
     """Fill ``spot`` at a placement (yaw, x, y); whether it is feasible."""
-    task = read(case.task)
+    task = case.task
     count = look(case, spot, at[0], at[1], at[2], 0.0, 0.0)
     return count >= task.least and fixes(case, spot)
 
 
-@kernel
+@part
 def climb(case, at):
     """Climb from a feasible placement, whose view is ``case.one``, to its peak.
 
     ``at`` (3,) becomes the peak, ``case.one`` its view; returns L there.
     """
     height = evidence(case, case.one)
-    goal, tried = np.empty(3), np.empty(3)
+    goal, tried = scratch(3), scratch(3)
     for _ in range(ROUNDS):
         optimum(case, case.one, at, goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
@@ -133,15 +132,15 @@ def climb(case, at):
     return height
 
 
-@kernel
+@part
 def raised(case, at, height):
     """Climb on from a peak ``at`` (3,) while that helps with one plane let go, or held again.
 
     Peaks that are the same placement differ in which planes fit. ``case.one`` must be the view at
     the peak; returns L where it ends.
     """
-    view, limits = read(case.one), read(case.limits)
-    goal, tried = np.empty(3), np.empty(3)
+    view, limits = case.one, case.limits
+    goal, tried = scratch(3), scratch(3)
     better = True
     while better:
         better = False
@@ -170,19 +169,19 @@ def raised(case, at, height):
     return height
 
 
-@kernel
+@part
 def _strain(case):
     """What the planes that fit pay for their residuals, at most."""
-    view, limits = read(case.one), read(case.limits)
+    view, limits = case.one, case.limits
     total = 0.0
     for i in range(len(view.state)):
         if view.state[i] == FIT:
-            total += view.offset[i] ** 2 * limits.plane_weight
-            total += view.bend[i] ** 2 * limits.angle_weight
+            total += view.offset[i] * view.offset[i] * limits.plane_weight
+            total += view.bend[i] * view.bend[i] * limits.angle_weight
     return total
 
 
-@kernel
+@part
 def _last_feasible(case, at, goal, tried):
     """Into ``tried`` the last feasible placement found by bisection on the way to ``goal``."""
     low, high, last = 0.0, 1.0, 0.0
@@ -200,17 +199,17 @@ def _last_feasible(case, at, goal, tried):
     return feasible(case, case.two, tried)
 
 
-@kernel
+@part
 def _part_way(at, goal, turn, share, out):
     out[0] = at[0] + share * turn
     out[1] = at[1] + share * (goal[1] - at[1])
     out[2] = at[2] + share * (goal[2] - at[2])
 
 
-@kernel
+@part
 def _same(case):
     """Whether the two views hold the same correspondences in the same states."""
-    one, two = read(case.one), read(case.two)
+    one, two = case.one, case.two
     for r in range(len(one.room)):
         if one.room[r] != two.room[r]:
             return False

@@ -8,15 +8,14 @@ from functools import cached_property
 import numpy as np
 
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.containment import Content, content_of, no_content
+from situgraph.matching.containment import content_of, no_content
 from situgraph.matching.entries import views_at
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.reading import limits_of, plan_lines, raw_rooms, seen_table, storey_heights
 from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
 from situgraph.matching.sightings import Rates, weigh
 from situgraph.matching.storeys import storey_shifts
-from situgraph.matching.tables import Floats, Ints, Limits, Seen
-from situgraph.matching.views import View
+from situgraph.matching.tables import Content, Floats, Ints, Limits, Seen, View
 from situgraph.scenegraph.graph import SceneGraph
 
 

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from situgraph.errors import InputError
-from situgraph.matching.compiled import entry, kernel
+from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.tables import Floats, Ints, Limits, Seen
+from situgraph.matching.records import address, allocated, record_at, slots_of
+from situgraph.matching.tables import Floats, Ints, Limits, Seen, Table
 from situgraph.scenegraph.graph import SceneGraph
 
 
@@ -65,155 +67,219 @@ def storey_heights(graph: SceneGraph) -> Floats:
     return np.array([elevation.get(r.storey, 0.0) if r.storey else 0.0 for r in graph.rooms])
 
 
-@entry
-def plan_lines(centers, planes, names, counts, tilt):
+class Reading(NamedTuple):
+    """Rooms of a graph, and their lines."""
+
+    center: Table  # (R, 3)
+    planes: Table  # (P, 4)
+    name: Ints  # (K,) plane rows of the rooms, one room after the other
+    number: Ints  # (R,) how many each room has
+    steepest: float
+    kept: Ints  # (R,)
+    first: Ints  # (R + 1,)
+    normal: Table  # (K, 2)
+    distance: Floats  # (K,)
+    source: Ints  # (K,)
+    done: Ints  # (1,) how many rooms count
+
+
+def plan_lines(
+    centers: Floats, planes: Floats, names: Ints, counts: Ints, tilt: float
+) -> tuple[Ints, Ints, Floats, Floats, Ints]:
     """Rooms with two usable planes as lines in the plan.
 
     Returns which rooms count, ``first``, and for each room's usable planes the normal (Q, 2), the
     signed distance of the room's centre (Q,), the row in ``planes`` (Q,).
     """
-    kept = np.empty(len(counts), dtype=np.int64)
-    first = np.zeros(len(counts) + 1, dtype=np.int64)
-    normal = np.empty((len(names), 2))
-    distance = np.empty(len(names))
-    source = np.empty(len(names), dtype=np.int64)
-    steepest = math.sin(tilt) + 1e-12
-    rooms, rows, at = 0, 0, 0
-    for r in range(len(counts)):
-        begin = rows
-        for k in range(at, at + counts[r]):
-            p = names[k]
-            if abs(planes[p, 2]) > steepest:
-                continue
-            flat = math.sqrt(planes[p, 0] ** 2 + planes[p, 1] ** 2)
-            normal[rows, 0] = planes[p, 0] / flat
-            normal[rows, 1] = planes[p, 1] / flat
-            reach = planes[p, 3]
-            for axis in range(3):
-                reach += planes[p, axis] * centers[r, axis]
-            distance[rows] = reach / flat
-            source[rows] = p
-            rows += 1
-        at += counts[r]
-        if rows - begin < 2:
-            rows = begin
-            continue
-        kept[rooms] = r
-        rooms += 1
-        first[rooms] = rows
+    rooms, rows = len(counts), len(names)
+    shapes = ((0, 0), (0, 0), 0, 0, 0.0, rooms, rooms + 1, (rows, 2), rows, rows, 1)
+    values, _ = allocated(Reading, shapes)
+    kept, first, normal, distance, source, done = values[5:]
+    given = (np.ascontiguousarray(centers), np.ascontiguousarray(planes), names, counts)
+    block = slots_of(Reading, (*given, math.sin(tilt) + 1e-12, *values[5:]))
+    read_lines(address(block))
+    rooms = int(done[0])
+    rows = int(first[rooms])
     return kept[:rooms], first[: rooms + 1], normal[:rows], distance[:rows], source[:rows]
 
 
 @entry
-def seen_table(centers, kept, first, normal, distance, source, storeys, limits):
+def read_lines(place):
+    """Fill a ``Reading``."""
+    _read_lines(record_at(place, Reading))
+
+
+@part
+def _read_lines(t):
+    rooms, rows, at = 0, 0, 0
+    for r in range(len(t.number)):
+        begin = rows
+        for k in range(at, at + t.number[r]):
+            p = t.name[k]
+            plane = t.planes[p]
+            if abs(plane[2]) > t.steepest:
+                continue
+            flat = math.sqrt(plane[0] * plane[0] + plane[1] * plane[1])
+            t.normal[rows, 0] = plane[0] / flat
+            t.normal[rows, 1] = plane[1] / flat
+            reach = plane[3]
+            for axis in range(3):
+                reach += plane[axis] * t.center[r, axis]
+            t.distance[rows] = reach / flat
+            t.source[rows] = p
+            rows += 1
+        at += t.number[r]
+        if rows - begin < 2:
+            rows = begin
+            continue
+        t.kept[rooms] = r
+        rooms += 1
+        t.first[rooms] = rows
+    t.done[0] = rooms
+
+
+class Drafting(NamedTuple):
+    """An online graph's lines, and the table to be made of them."""
+
+    seen: Seen
+    center: Table  # (R, 3)
+    kept: Ints  # (N,)
+    normal: Table  # (P, 2)
+    source: Ints  # (P,)
+    storeys: Ints  # (R,)
+    sine: float
+    moved: float
+    angle: float
+    number: Ints  # (largest of source + 1,)
+    share: Floats  # (P,)
+    middle: Floats  # (2,)
+    done: Ints  # (3,) how many distinct planes, probes, crossings
+
+
+def seen_table(
+    centers: Floats,
+    kept: Ints,
+    first: Ints,
+    normal: Floats,
+    distance: Floats,
+    source: Ints,
+    storeys: Ints,
+    limits: Limits,
+) -> tuple[Seen, Floats]:
     """The online rooms as the search wants them, and the mean of their centres (2,)."""
     rooms, rows = len(kept), len(distance)
-    middle = np.zeros(2)
+    n = np.diff(first)
+    crossings, probes = int((n * (n - 1) // 2).sum()), 3 * rooms
+    shapes = (
+        (rooms, 2), rooms + 1, rows, rows, rows, 0, rooms, rooms, rooms, rooms, rooms + 1,
+        (crossings, 2), rooms + 1, (probes, 2), (probes, 2), probes,
+    )  # fmt: skip
+    values, block = allocated(Seen, shapes)
+    values[1][:], values[3][:] = first, distance
+    numbers = int(source.max(initial=-1)) + 1
+    (*_, number, share, middle, done), _ = allocated(
+        Drafting, (0, (0, 0), 0, (0, 0), 0, 0, 0.0, 0.0, 0.0, numbers, rows, 2, 3)
+    )
+    given = (np.ascontiguousarray(centers), kept, np.ascontiguousarray(normal), source, storeys)
+    sizes = (limits.sine, limits.moved, limits.angle)
+    draft = slots_of(Drafting, (block, *given, *sizes, number, share, middle, done))
+    draw_seen(address(draft))
+    planes, probes, crossings = done.tolist()
+    values[5] = planes
+    values[11] = values[11][:crossings]
+    values[13:16] = (v[:probes] for v in values[13:16])
+    return Seen(*values, slots_of(Seen, values)), middle  # type: ignore[call-arg]
+
+
+@entry
+def draw_seen(place):
+    """Fill the table of a ``Drafting``."""
+    _draw_seen(record_at(place, Drafting))
+
+
+@part
+def _draw_seen(t):
+    seen, middle = t.seen, t.middle
+    rooms = len(t.kept)
     for k in range(rooms):
-        middle += centers[kept[k], :2] / rooms
-    center = np.empty((rooms, 2))
-    storey = np.empty(rooms, dtype=np.int64)
+        middle[0] += t.center[t.kept[k], 0] / rooms
+        middle[1] += t.center[t.kept[k], 1] / rooms
     for k in range(rooms):
-        center[k] = centers[kept[k], :2] - middle
-        storey[k] = storeys[kept[k]]
-    angle = np.empty(rows)
-    for k in range(rows):
-        angle[k] = math.atan2(normal[k, 1], normal[k, 0])
-    plane, planes = _numbered(source)
-    strict, flat = np.zeros(rooms, dtype=np.bool_), np.zeros(rooms, dtype=np.bool_)
-    probe_first = np.zeros(rooms + 1, dtype=np.int64)
-    probe = np.empty((3 * rooms, 2), dtype=np.int64)
+        seen.center[k, 0] = t.center[t.kept[k], 0] - middle[0]
+        seen.center[k, 1] = t.center[t.kept[k], 1] - middle[1]
+        seen.storey[k] = t.storeys[t.kept[k]]
+    for k in range(len(seen.angle)):
+        seen.angle[k] = math.atan2(t.normal[k, 1], t.normal[k, 0])
+    _number(t)
     probes = 0
     for r in range(rooms):
-        found = _probes(angle, distance, first[r], first[r + 1], limits.sine, probe[probes:])
-        flat[r] = found == 0
-        strict[r] = flat[r] or first[r + 1] - first[r] == 2
+        found = _probes(seen, r, t.sine, probes)
+        seen.flat[r] = 1 if found == 0 else 0
+        strict = found == 0 or seen.first[r + 1] - seen.first[r] == 2
+        seen.strict[r] = 1 if strict else 0
+        for k in range(probes, probes + found):
+            _place_probe(t, r, k)
         probes += found
-        probe_first[r + 1] = probes
-    arm, reach = np.empty((probes, 2)), np.empty(probes)
-    for r in range(rooms):
-        for k in range(probe_first[r], probe_first[r + 1]):
-            i, j = probe[k]
-            _meeting(angle, distance, i, j, arm[k])
-            length = math.sqrt(arm[k, 0] ** 2 + arm[k, 1] ** 2)
-            arm[k] += center[r]
-            reach[k] = _reach(angle[j] - angle[i], length, limits)
-    crossed_first, crossed = _crossings(first, angle, limits.sine)
-    table = Seen(
-        center,
-        first,
-        angle,
-        distance,
-        plane,
-        planes,
-        strict,
-        flat,
-        storey,
-        _shape(first, plane, planes),
-        crossed_first,
-        crossed,
-        probe_first,
-        probe[:probes],
-        arm,
-        reach,
-    )
-    return table, middle
+        seen.probe_first[r + 1] = probes
+    t.done[1] = probes
+    _shape(t)
+    _crossings(t)
 
 
-@kernel
-def _numbered(source):
+@part
+def _place_probe(t, r, k):
+    seen = t.seen
+    i, j, arm = seen.probe[k, 0], seen.probe[k, 1], seen.probe_arm[k]
+    _meeting(seen.angle, seen.distance, i, j, arm)
+    length = math.sqrt(arm[0] * arm[0] + arm[1] * arm[1])
+    arm[0] += seen.center[r, 0]
+    arm[1] += seen.center[r, 1]
+    seen.probe_reach[k] = _reach(seen.angle[j] - seen.angle[i], length, t)
+
+
+@part
+def _number(t):
     """Distinct planes numbered in the order they are met."""
-    most = 0
-    for p in source:
-        most = max(most, p + 1)
-    number = np.full(most, -1, dtype=np.int64)
-    plane = np.empty(len(source), dtype=np.int64)
-    count = 0
-    for k in range(len(source)):
-        if number[source[k]] < 0:
-            number[source[k]] = count
+    number, count = t.number, 0
+    for k in range(len(t.source)):
+        p = t.source[k]
+        if number[p] == 0:
             count += 1
-        plane[k] = number[source[k]]
-    return plane, count
+            number[p] = count
+        t.seen.plane[k] = number[p] - 1
+    t.done[0] = count
 
 
-@kernel
-def _shape(first, plane, planes):
+@part
+def _shape(t):
     """Planes of each room but for two, four at most; a plane of k rooms counts 1 / k."""
-    share = np.zeros(planes)
-    for p in plane:
-        share[p] += 1.0
-    shape = np.zeros(len(first) - 1)
-    for r in range(len(shape)):
-        if first[r + 1] - first[r] > 2:
-            for i in range(first[r], first[r + 1]):
-                shape[r] += 1.0 / share[plane[i]]
-            shape[r] = max(0.0, min(4.0, shape[r]) - 2.0)
-    return shape
+    seen = t.seen
+    for k in range(len(seen.plane)):
+        t.share[seen.plane[k]] += 1.0
+    for r in range(len(seen.shape)):
+        if seen.first[r + 1] - seen.first[r] > 2:
+            total = 0.0
+            for i in range(seen.first[r], seen.first[r + 1]):
+                total += 1.0 / t.share[seen.plane[i]]
+            seen.shape[r] = max(0.0, min(4.0, total) - 2.0)
 
 
-@kernel
-def _crossings(first, angle, sine):
+@part
+def _crossings(t):
     """All pairs of planes of one room that are not parallel, the first one first."""
-    most = 0
-    for r in range(len(first) - 1):
-        n = first[r + 1] - first[r]
-        most += n * (n - 1) // 2
-    pairs = np.empty((most, 2), dtype=np.int64)
-    begin = np.zeros(len(first), dtype=np.int64)
-    count = 0
-    for r in range(len(first) - 1):
-        for i in range(first[r], first[r + 1]):
-            for j in range(i + 1, first[r + 1]):
-                if abs(math.sin(angle[j] - angle[i])) >= sine:
-                    pairs[count, 0] = i
-                    pairs[count, 1] = j
+    seen, count = t.seen, 0
+    for r in range(len(seen.storey)):
+        for i in range(seen.first[r], seen.first[r + 1]):
+            for j in range(i + 1, seen.first[r + 1]):
+                if abs(math.sin(seen.angle[j] - seen.angle[i])) >= t.sine:
+                    seen.crossed[count, 0] = i
+                    seen.crossed[count, 1] = j
                     count += 1
-        begin[r + 1] = count
-    return begin, pairs[:count]
+        seen.crossed_first[r + 1] = count
+    t.done[2] = count
 
 
-@kernel
+@part
 def _meeting(angle, distance, i, j, out):
     """Where planes ``i`` and ``j`` meet, from the room's centre."""
     cross = math.sin(angle[j] - angle[i])
@@ -221,7 +287,7 @@ def _meeting(angle, distance, i, j, out):
     out[1] = -(distance[j] * math.cos(angle[i]) - distance[i] * math.cos(angle[j])) / cross
 
 
-@kernel
+@part
 def _reach(turn, length, limits):
     """How far the plan's corner may lie from the placed one, for any residuals that are allowed.
 
@@ -236,13 +302,15 @@ def _reach(turn, length, limits):
     return off / max(narrowest, 0.02)
 
 
-@kernel
-def _probes(angle, distance, begin, end, sine, out):
+@part
+def _probes(seen, r, sine, at):
     """Corners such that, whatever single plane is missing, one of them is whole; their number.
 
-    None when all planes are parallel. A plane that is in every corner cannot be missing: then no
-    two planes that fit would be left that are not parallel.
+    They go to ``seen.probe`` from row ``at`` on. None when all planes are parallel. A plane that is
+    in every corner cannot be missing: then no two planes that fit would be left that are not
+    parallel.
     """
+    angle, distance, begin, end = seen.angle, seen.distance, seen.first[r], seen.first[r + 1]
     count = 0
     lost_i, lost_j = -1, -1
     for attempt in range(3):
@@ -265,11 +333,11 @@ def _probes(angle, distance, begin, end, sine, out):
             if attempt == 0:
                 return 0
             continue
-        out[count, 0] = bi
-        out[count, 1] = bj
+        seen.probe[at + count, 0] = bi
+        seen.probe[at + count, 1] = bj
         count += 1
         if attempt == 0:
             lost_i, lost_j = bi, bj
-        elif attempt == 1 and lost_j not in (bi, bj):
+        elif attempt == 1 and lost_j != bi and lost_j != bj:
             return count
     return count

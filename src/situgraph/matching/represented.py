@@ -14,22 +14,21 @@ from situgraph.matching.boxes import (
     radius,
     slack_of,
 )
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.lookup import find
-from situgraph.matching.pointers import read
 
 
-@kernel
+@part
 def represented(case, box, at):
     """Whether all pairs of planes that can fit in the box fit at the placement ``at`` as well."""
     seen, plan, limits, finder, task = (
-        read(case.seen),
-        read(case.plan),
-        read(case.limits),
-        read(case.finder),
-        read(case.task),
+        case.seen,
+        case.plan,
+        case.limits,
+        case.finder,
+        case.task,
     )
     c, s = math.cos(box[YAW]), math.sin(box[YAW])
     ca, sa = math.cos(at[0]), math.sin(at[0])

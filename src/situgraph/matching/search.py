@@ -5,9 +5,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
-
-import numpy as np
 
 from situgraph.matching.boxes import (
     AX,
@@ -26,15 +23,14 @@ from situgraph.matching.boxes import (
     shrink,
     slack_of,
 )
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import give, may_explain, wrapped
 from situgraph.matching.groups import form_groups
-from situgraph.matching.hypotheses import pair_box, room_boxes, split
+from situgraph.matching.hypotheses import copy_box, pair_box, split
 from situgraph.matching.peaks import climb, feasible, optimum
-from situgraph.matching.pointers import read
+from situgraph.matching.records import scratch
 from situgraph.matching.represented import represented
-from situgraph.matching.tables import Floats, Ints
 from situgraph.matching.views import (
     fixes,
     look,
@@ -46,92 +42,90 @@ GUESSES = 3  # least squares from relaxed correspondences
 NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 
 
-class Found(NamedTuple):
-    """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
-
-    peak: Floats
-    count: Ints  # type: ignore[assignment]  # (4,) peaks, hypotheses, boxes, incomplete
-
-
-@kernel
-def add_peak(found, at, height):
-    """Note a peak; returns the record, grown if need be."""
-    peaks, count = found.peak, found.count
-    for k in range(count[0]):
+@part
+def add_peak(case, at, height):
+    """Note a peak, unless it is known; where there is no room for it, it is only counted."""
+    peaks, count = case.found.peak, case.found.count
+    for k in range(min(count[0], len(peaks))):
         if (
             abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < 1e-4
             and abs(wrapped(peaks[k, 0] - at[0])) < 1e-4
         ):
-            return found
-    if count[0] == len(peaks):
-        grown = np.empty((2 * len(peaks), 4))
-        grown[: len(peaks)] = peaks
-        peaks = grown
-    for k in range(3):
-        peaks[count[0], k] = at[k]
-    peaks[count[0], 3] = height
+            return
+    if count[0] < len(peaks):
+        for k in range(3):
+            peaks[count[0], k] = at[k]
+        peaks[count[0], 3] = height
     count[0] += 1
-    return Found(peaks, count)
 
 
-@kernel
-def search(case, alike, found):
+@part
+def search(case):
     """Find the peaks of all feasible placements for one shift of the storeys."""
-    seen, plan, spans, task = read(case.seen), read(case.plan), read(case.spans), read(case.task)
+    seen, plan, spans, task, groups = case.seen, case.plan, case.spans, case.task, case.groups
     rooms = len(seen.storey)
-    groups = form_groups(case, alike, rooms - task.least + 1)
-    made = len(groups.first) - 1
-    boxes = np.empty((256, SIDES))
+    made = form_groups(case, rooms - task.least + 1)
     for g in range(made):
-        members = groups.member[groups.first[g] : groups.first[g + 1]]
-        r = members[0]
+        r = groups.member[groups.first[g]]
         storey = task.storeys[seen.storey[r]]
         for m in range(rooms):
-            spans.required[m] = False
-        for m in members:
-            spans.required[m] = True
+            spans.required[m] = 0
+        for m in range(groups.first[g], groups.first[g + 1]):
+            spans.required[groups.member[m]] = 1
         if storey < 0:
             continue
         for a in range(len(plan.storey)):
-            if plan.storey[a] != storey or not room_allowed(case, r, a):
-                continue
-            count = room_boxes(case, r, a, boxes)
-            if count > len(boxes):
-                boxes = np.empty((2 * count, SIDES))
-                room_boxes(case, r, a, boxes)
-            for b in range(count):
-                found.count[1] += 1
-                if _partners(case, boxes[b], members):
-                    found = explore(case, found, boxes[b])
+            if plan.storey[a] == storey and room_allowed(case, r, a):
+                _hypotheses(case, g, r, a)
     if made < rooms - task.least + 1:
-        found = _corridors(case, found, made)
-    return found
+        _corridors(case, made)
 
 
-@kernel
-def _partners(case, box, members):
-    """Whether the other rooms of the group may be explained somewhere in the box."""
-    for k in range(1, len(members)):  # noqa: SIM110
-        if not possible(case, box, members[k]):
+@part
+def _hypotheses(case, g, r, a):
+    """All placements at which two crossing planes of ``r`` fit ``a``, for group ``g``."""
+    seen, plan = case.seen, case.plan
+    box = scratch(SIDES)
+    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
+    for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
+        i, k = seen.crossed[c, 0], seen.crossed[c, 1]
+        for j in range(plan.first[a], plan.first[a + 1]):
+            for m in range(plan.first[a], plan.first[a + 1]):
+                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, box):
+                    continue
+                slack = slack_of(box, 0.0, 0.0)
+                if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
+                    continue
+                case.found.count[1] += 1
+                if _partners(case, box, g):
+                    explore(case, box)
+
+
+@part
+def _partners(case, box, g):
+    """Whether the other rooms of group ``g`` may be explained somewhere in the box."""
+    groups = case.groups
+    for k in range(groups.first[g] + 1, groups.first[g + 1]):
+        if not possible(case, box, groups.member[k]):
             return False
     return True
 
 
-@kernel
-def _corridors(case, found, anchors):
+@part
+def _corridors(case, anchors):
     """Placements that explain no room but such of parallel planes: two of them in two directions.
 
     All anchors are unexplained then, so of this many corridors one at least is explained.
     """
     seen, limits, spans, task = (
-        read(case.seen),
-        read(case.limits),
-        read(case.spans),
-        read(case.task),
+        case.seen,
+        case.limits,
+        case.spans,
+        case.task,
     )
     rooms = len(seen.storey)
     needed = rooms - task.least - anchors + 1
-    box = np.empty(SIDES)
+    box = scratch(SIDES)
     for r in range(rooms):
         if not seen.flat[r] or needed <= 0:
             continue
@@ -143,17 +137,16 @@ def _corridors(case, found, anchors):
             if not seen.flat[q] or turn < 0.45 * limits.sine:
                 continue
             for m in range(rooms):
-                spans.required[m] = False
-            spans.required[r] = True
-            spans.required[q] = True
-            found = _crossing(case, found, r, q, box)
-    return found
+                spans.required[m] = 0
+            spans.required[r] = 1
+            spans.required[q] = 1
+            _crossing(case, r, q, box)
 
 
-@kernel
-def _crossing(case, found, r, q, box):
+@part
+def _crossing(case, r, q, box):
     """All placements that explain the corridors ``r`` and ``q``."""
-    seen, plan, task = read(case.seen), read(case.plan), read(case.task)
+    seen, plan, task = case.seen, case.plan, case.task
     one, two = task.storeys[seen.storey[r]], task.storeys[seen.storey[q]]
     i, k = seen.first[r], seen.first[q]
     box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
@@ -168,33 +161,34 @@ def _crossing(case, found, r, q, box):
                 for m in range(plan.first[b], plan.first[b + 1]):
                     if not pair_box(case, i, k, j, m, wx, wy, box):
                         continue
-                    found.count[1] += 1
+                    case.found.count[1] += 1
                     slack = slack_of(box, 0.0, 0.0)
                     if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
-                        found = explore(case, found, box)
-    return found
+                        explore(case, box)
 
 
-@kernel
-def explore(case, found, start):
+@part
+def explore(case, start):
     """Branch and bound: until all of the box is known to be infeasible.
 
     Or represented by a peak.
     """
-    seen, limits = read(case.seen), read(case.limits)
+    seen, limits = case.seen, case.limits
     arm = 1.0
     for r in range(len(seen.storey)):
         arm = max(arm, math.hypot(seen.center[r, 0], seen.center[r, 1]))
-    stack = np.empty((16, SIDES))
-    stack[0] = start
+    found = case.found
+    stack, box, at = found.stack, scratch(SIDES), scratch(3)
+    copy_box(start, stack[0])
     depth = 1
-    at = np.empty(3)
     while depth > 0:
         depth -= 1
-        box = stack[depth].copy()
+        copy_box(stack[depth], box)
         found.count[2] += 1
         if found.count[2] > limits.max_boxes:
             found.count[3] = 1
+            break
+        if found.count[0] > len(found.peak):  # to be searched again with more room
             break
         if not _squeeze(case, box, arm):
             continue
@@ -202,7 +196,7 @@ def explore(case, found, start):
             _move_anchor(box)
             if not _squeeze(case, box, arm):
                 continue
-        if _known(case, box, found):
+        if _known(case, box):
             continue
         before = found.count[0]
         state = _witness(case, box, arm, at)
@@ -210,8 +204,8 @@ def explore(case, found, start):
             continue
         if state > 0:
             height = climb(case, at)
-            found = add_peak(found, at, height)
-            if found.count[0] > before and _known(case, box, found):
+            add_peak(case, at, height)
+            if found.count[0] > before and _known(case, box):
                 continue
         side, widest = 0, box[TURN] * arm
         if box[HU] > widest:
@@ -221,18 +215,16 @@ def explore(case, found, start):
         if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
             continue
         if depth + 2 > len(stack):
-            grown = np.empty((2 * len(stack), SIDES))
-            grown[: len(stack)] = stack
-            stack = grown
+            found.count[3] = 1
+            continue
         split(box, side, stack[depth], stack[depth + 1])
         depth += 2
-    return found
 
 
-@kernel
+@part
 def _move_anchor(box):
     """Anchor the box at the mean room centre instead: it holds what it held, and more."""
-    at = np.empty(3)
+    at = scratch(3)
     _centre(box, at)
     wx, wy = at[1] - box[PX], at[2] - box[PY]
     slack = slack_of(box, wx, wy)
@@ -241,7 +233,7 @@ def _move_anchor(box):
     box[AX] = box[AY] = 0.0
 
 
-@kernel
+@part
 def _squeeze(case, box, arm):
     """Shrink a box while it pays; False when nothing is left."""
     for _ in range(ROUNDS):
@@ -253,7 +245,7 @@ def _squeeze(case, box, arm):
     return True
 
 
-@kernel
+@part
 def _centre(box, out):
     """The placement (yaw, x, y of the mean room centre) in the middle of a box."""
     c, s = math.cos(box[YAW]), math.sin(box[YAW])
@@ -262,14 +254,14 @@ def _centre(box, out):
     out[2] = box[PY] - s * box[AX] - c * box[AY]
 
 
-@kernel
-def _known(case, box, found):
+@part
+def _known(case, box):
     """Whether a peak represents all feasible placements of the box."""
-    limits = read(case.limits)
-    middle = np.empty(3)
+    limits = case.limits
+    found, middle = case.found, scratch(3)
     _centre(box, middle)
     sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
-    for k in range(found.count[0]):
+    for k in range(min(found.count[0], len(found.peak))):
         at = found.peak[k]
         apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
         turned = abs(wrapped(at[0] - middle[0]))
@@ -281,14 +273,14 @@ def _known(case, box, found):
     return False
 
 
-@kernel
+@part
 def _witness(case, box, arm, at):
     """Look for a feasible placement in or near the box: 1 found, 0 not found, -1 none can be.
 
     It is left in ``at``. The last is known from the correspondences with all residuals widened by
     what the box allows.
     """
-    task = read(case.task)
+    task = case.task
     _centre(box, at)
     if feasible(case, case.one, at):
         return 1

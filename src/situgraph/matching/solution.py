@@ -12,8 +12,7 @@ import numpy as np
 from situgraph.geometry.poses import Placement
 from situgraph.matching.posterior import Posterior
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.tables import FIT, MOVED, Floats
-from situgraph.matching.views import View
+from situgraph.matching.tables import FIT, MOVED, Floats, View
 
 LEAST_DEPTH = 0.3  # metres; how far inside a room a centre must lie to be covered by it
 LEAST_DEVIATION = 0.1  # metres; smaller ones are not worth telling (DESIGN section 3)

@@ -1,12 +1,12 @@
-"""The flat tables the kernels work on: the online rooms, the plan, the limits.
+"""The flat tables the kernels work on: the online rooms, the plan, the limits, room to work in.
 
 A room's planes stand one after the other; ``first[r]`` to ``first[r + 1]`` are the rows of room
-``r``. Named tuples of arrays, because that is what compiled code takes as it is.
+``r``. Kernels read named tuples as ``records`` lays them out.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,10 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+Short = NDArray[np.int32]
+Table = Annotated[Floats, 2]
+IntTable = Annotated[Ints, 2]
+CountTable = Annotated[NDArray[np.int16], 2]
 
 FIT, MOVED, MISSING = 0, 1, 2  # states of an online plane
 
@@ -43,36 +47,37 @@ class Limits(NamedTuple):
 class Seen(NamedTuple):
     """The online rooms that count; lengths from the mean of their centres."""
 
-    center: Floats  # (N, 2)
+    center: Table  # (N, 2)
     first: Ints  # (N + 1,)
     angle: Floats  # (P,) direction of the normal
     distance: Floats  # (P,) signed distance of the room's centre
     plane: Ints  # (P,) which distinct plane
     planes: int  # how many distinct planes
-    strict: Flags  # (N,) every plane must fit
-    flat: Flags  # (N,) all planes are parallel
+    strict: Ints  # (N,) whether every plane must fit
+    flat: Ints  # (N,) whether all planes are parallel
     storey: Ints  # (N,)
     shape: Floats  # (N,) how many of its planes a similar shape would explain
     crossed_first: Ints  # (N + 1,) pairs of a room's planes that are not parallel
-    crossed: Ints  # (C, 2)
+    crossed: IntTable  # (C, 2)
     probe_first: Ints  # (N + 1,) corners by which a room is looked up
-    probe: Ints  # (K, 2) rows of two planes, the second counter-clockwise of the first
-    probe_arm: Floats  # (K, 2) where they meet
+    probe: IntTable  # (K, 2) rows of two planes, the second counter-clockwise of the first
+    probe_arm: Table  # (K, 2) where they meet
     probe_reach: Floats  # (K,) how far the prior corner may lie off
+    slots: Ints  # its block (``records``)
 
 
 class Plan(NamedTuple):
     """The prior rooms that count, and how they are found."""
 
     first: Ints  # (M + 1,)
-    row: Floats  # (Q, 4) normal x, y, offset, direction of the normal
+    row: Table  # (Q, 4) normal x, y, offset, direction of the normal
     storey: Ints  # (M,)
     near_start: Ints  # (B + 1,) buckets of corners: one lookup reaches 1.5 m
-    near_room: NDArray[np.int32]
-    near_tag: NDArray[np.int32]
+    near_room: Short
+    near_tag: Short
     far_start: Ints  # the same in larger cells: one lookup reaches 6 m
-    far_room: NDArray[np.int32]
-    far_tag: NDArray[np.int32]
+    far_room: Short
+    far_tag: Short
     large: Ints  # rooms with too many corners, tried everywhere
     bin_first: Ints  # (S + 1,) each storey's bins of lines of one direction
     bin_angle: Floats  # (B,)
@@ -80,6 +85,22 @@ class Plan(NamedTuple):
     line_first: Ints  # (B + 1,) each bin's lines, by offset
     line_offset: Floats  # (Q,)
     line_room: Ints  # (Q,)
+    widest: int  # most planes of one room
+    slots: Ints  # its block (``records``)
+
+
+class Content(NamedTuple):
+    """What the online rooms and planes hold, and what the prior's do.
+
+    Empty when nothing is asked.
+    """
+
+    room_first: Ints  # (N + 1,)
+    room_need: IntTable  # (k, 2) category, count
+    row_first: Ints  # (P + 1,)
+    row_need: IntTable  # (k, 2)
+    room_have: CountTable  # (M, C)
+    row_have: CountTable  # (Q, C)
 
 
 class Task(NamedTuple):
@@ -89,18 +110,124 @@ class Task(NamedTuple):
     storeys: Ints  # (U,) the prior storey of each online storey, -1 for none
 
 
-class Case(NamedTuple):
-    """Addresses (``pointers``) of all a kernel may need: tables, and room to work in."""
+class View(NamedTuple):
+    """The correspondences at a placement."""
 
-    seen: Any  # Seen
-    plan: Any  # Plan
-    limits: Any  # Limits
-    content: Any  # Content
-    task: Any  # Task
-    finder: Any  # Finder
-    bench: Any  # Bench
-    options: Any  # Options
-    tally: Any  # Tally
-    spans: Any  # Spans
-    one: Any  # View
-    two: Any  # View
+    room: Ints  # (N,) prior room, -1 for none
+    row: Ints  # (P,) prior row of each online row of an explained room, -1 for none
+    state: Ints  # (P,) FIT, MOVED or MISSING; -1 in rooms that are not explained
+    offset: Floats  # (P,) residuals, where there is a prior row
+    bend: Floats  # (P,)
+
+
+class Finder(NamedTuple):
+    """Room to work for ``find``: the rooms found, and when each was last."""
+
+    room: Ints  # (M,)
+    last: Ints  # (M,)
+    turn: Ints  # (1,) number of the present search
+
+
+class Bench(NamedTuple):
+    """Room to work for ``explain``: the counterparts each plane can have, best first."""
+
+    row: IntTable  # (n, m) prior row, -1 for none
+    value: Table  # (n, m) log ratio
+    fits: IntTable  # (n, m) state
+    count: Ints  # type: ignore[assignment]  # (n,)
+    best: Floats  # (n + 1,) largest sum from a plane on
+    pick: Ints  # (n,) the choice tried
+    kept: Ints  # (n,) the best choice's rows
+    state: Ints  # (n,) and their states
+
+
+class Options(NamedTuple):
+    """The prior rooms that explain each online room at one placement, best first, N at most.
+
+    More than N are never needed: the other rooms take N - 1 at most.
+    """
+
+    room: IntTable  # (N, N)
+    score: Table  # (N, N)
+    count: Ints  # type: ignore[assignment]  # (N,)
+    owner: Ints  # (M,) how many rooms have a prior room as an option
+
+
+class Pairing(NamedTuple):
+    """Room to work for the assignment of rooms that want the same prior rooms.
+
+    Columns are the prior rooms, then one a row for none.
+    """
+
+    price: Floats  # (M + N,) of a column
+    near: Floats  # (M + N,) length of the shortest path to a column
+    way: Ints  # (M + N,) the row before it
+    owner: Ints  # (M + N,) row of a column plus 1, 0 for none
+    mark: Ints  # (M + N,) 0 never met, 1 met in this search, 2 done, 3 met before
+    met: Ints  # (M + N,) the columns met in one search for a path
+    used: Ints  # (M + N,) the columns met in any
+    rent: Floats  # (N,) price of a row
+    column: Ints  # (N,) of a row
+    rows: Ints  # (N,) to be assigned
+
+
+class Tally(NamedTuple):
+    """Sums over the occurrences of each distinct plane."""
+
+    sums: Table  # (planes, 5) fits, their squares: offset, bend; moved, their squares of bend
+    missing: Ints  # (planes,)
+
+
+class Spans(NamedTuple):
+    """For each online room, where in the box it can be explained; and its planes' spans."""
+
+    low: Table  # (3, N) yaw, along, across
+    high: Table  # (3, N)
+    required: Ints  # (N,) rooms that must be explained
+    sorted: Floats  # (N,) to select in
+    turn_low: Floats  # (n,) yaws for which a plane can fit
+    turn_high: Floats  # (n,)
+    nu: Floats  # (n,) its normal in the box's axes
+    nv: Floats  # (n,)
+    off_low: Floats  # (n,) moves along its normal for which it can fit
+    off_high: Floats  # (n,)
+    kind: Ints  # (n,) 0: cannot fit, 1: one direction, 2: several
+    wide: Ints  # (N,) rooms of which the box is too wide to say where they go
+
+
+class Groups(NamedTuple):
+    """``member[first[g]:first[g + 1]]`` are the rooms of group ``g``, its anchor first."""
+
+    first: Ints  # (N + 2,)
+    member: Ints  # (N,)
+    group: Ints  # (N,) of each room
+    anchor: Ints  # (N,) of each group
+
+
+class Found(NamedTuple):
+    """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
+
+    peak: Table
+    count: Ints  # type: ignore[assignment]  # (4,) peaks, hypotheses, boxes, incomplete
+    alike: Ints  # (N,) how many prior rooms explain each online room in isolation
+    stack: Table  # (k, SIDES) boxes to be searched
+
+
+class Case(NamedTuple):
+    """All a kernel may need: tables, and room to work in."""
+
+    seen: Seen
+    plan: Plan
+    limits: Limits
+    content: Content
+    task: Task
+    finder: Finder
+    bench: Bench
+    options: Options
+    pairing: Pairing
+    tally: Tally
+    spans: Spans
+    groups: Groups
+    found: Found
+    one: View
+    two: View

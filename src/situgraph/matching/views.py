@@ -8,55 +8,16 @@ Sections 2 and 4 of ``docs/matching.md``.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import Slack, explain, wrapped
 from situgraph.matching.lookup import find
 from situgraph.matching.pairing import add_option, pair_up
-from situgraph.matching.pointers import read
-from situgraph.matching.tables import FIT, MISSING, MOVED, Floats, Ints
+from situgraph.matching.tables import FIT, MISSING, MOVED
 
 
-class View(NamedTuple):
-    """The correspondences at a placement."""
-
-    room: Ints  # (N,) prior room, -1 for none
-    row: Ints  # (P,) prior row of each online row of an explained room, -1 for none
-    state: Ints  # (P,) FIT, MOVED or MISSING; -1 in rooms that are not explained
-    offset: Floats  # (P,) residuals, where there is a prior row
-    bend: Floats  # (P,)
-
-
-class Tally(NamedTuple):
-    """Sums over the occurrences of each distinct plane."""
-
-    sums: Floats  # (planes, 5) fits, their squares: offset, bend; moved, their squares of bend
-    missing: Ints  # (planes,)
-
-
-@kernel
-def new_view(rooms, rows):
-    """A view of nothing."""
-    return View(
-        np.full(rooms, -1, dtype=np.int64),
-        np.full(rows, -1, dtype=np.int64),
-        np.full(rows, -1, dtype=np.int64),
-        np.zeros(rows),
-        np.zeros(rows),
-    )
-
-
-@kernel
-def new_tally(planes):
-    """A tally of nothing."""
-    return Tally(np.zeros((planes, 5)), np.zeros(planes, dtype=np.int64))
-
-
-@kernel
+@part
 def look(case, spot, yaw, x, y, turn, loose):
     """Fill ``spot`` with what is explained when the mean room centre goes to ``(x, y)``.
 
@@ -64,9 +25,9 @@ def look(case, spot, yaw, x, y, turn, loose):
     ``loose`` widen the residuals by radians and metres (0: strictly the definition). Returns how
     many rooms are explained.
     """
-    view = read(spot)
-    seen, plan, task = read(case.seen), read(case.plan), read(case.task)
-    finder, options = read(case.finder), read(case.options)
+    view = spot
+    seen, plan, task = case.seen, case.plan, case.task
+    finder, options = case.finder, case.options
     c, s = math.cos(yaw), math.sin(yaw)
     slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
     for r in range(len(seen.storey)):
@@ -82,7 +43,7 @@ def look(case, spot, yaw, x, y, turn, loose):
             a = finder.room[k]
             if room_allowed(case, r, a):
                 score = explain(case, r, a, yaw, rx, ry, slack)
-                if score > -np.inf:
+                if score > -math.inf:
                     add_option(case, r, a, score)
                     if options.room[r, 0] == a:
                         _note(case, spot, r)
@@ -106,21 +67,21 @@ def look(case, spot, yaw, x, y, turn, loose):
     return count
 
 
-@kernel
+@part
 def _note(case, spot, r):
-    view = read(spot)
-    seen, bench = read(case.seen), read(case.bench)
+    view = spot
+    seen, bench = case.seen, case.bench
     begin = seen.first[r]
     for i in range(begin, seen.first[r + 1]):
         view.row[i] = bench.kept[i - begin]
         view.state[i] = bench.state[i - begin]
 
 
-@kernel
+@part
 def fixes(case, spot):
     """Whether the planes that fit are not all parallel."""
-    view = read(spot)
-    seen, limits = read(case.seen), read(case.limits)
+    view = spot
+    seen, limits = case.seen, case.limits
     first = -1
     for i in range(len(view.state)):
         if view.state[i] != FIT:
@@ -137,10 +98,10 @@ def fixes(case, spot):
     return False
 
 
-@kernel
+@part
 def copy_view(source, target):
     """Copy the correspondences."""
-    old, new = read(source), read(target)
+    old, new = source, target
     for r in range(len(old.room)):
         new.room[r] = old.room[r]
     for i in range(len(old.row)):
@@ -150,11 +111,11 @@ def copy_view(source, target):
         new.bend[i] = old.bend[i]
 
 
-@kernel
+@part
 def tally_planes(case, spot):
     """Count the occurrences of each distinct plane by state, and sum their squared residuals."""
-    view = read(spot)
-    seen, tally = read(case.seen), read(case.tally)
+    view = spot
+    seen, tally = case.seen, case.tally
     for p in range(seen.planes):
         tally.missing[p] = 0
         for k in range(5):
@@ -163,20 +124,20 @@ def tally_planes(case, spot):
         p = seen.plane[i]
         if view.state[i] == FIT:
             tally.sums[p, 0] += 1
-            tally.sums[p, 1] += view.offset[i] ** 2
-            tally.sums[p, 2] += view.bend[i] ** 2
+            tally.sums[p, 1] += view.offset[i] * view.offset[i]
+            tally.sums[p, 2] += view.bend[i] * view.bend[i]
         elif view.state[i] == MOVED:
             tally.sums[p, 3] += 1
-            tally.sums[p, 4] += view.bend[i] ** 2
+            tally.sums[p, 4] += view.bend[i] * view.bend[i]
         elif view.state[i] == MISSING:
             tally.missing[p] += 1
 
 
-@kernel
+@part
 def evidence(case, spot):
     """L of the walls: distinct planes, and rooms explained or not."""
-    view = read(spot)
-    seen, limits, tally = read(case.seen), read(case.limits), read(case.tally)
+    view = spot
+    seen, limits, tally = case.seen, case.limits, case.tally
     tally_planes(case, spot)
     total = 0.0
     for p in range(seen.planes):
