@@ -122,7 +122,7 @@ def slots_of(declared: Any, values: Any) -> Any:
 
 def address(array: Any) -> int:
     """Where the numbers of an array are."""
-    return array.__array_interface__["data"][0]  # type: ignore[no-any-return]
+    return int(array.__array_interface__["data"][0])
 
 
 def allocated(declared: Any, shapes: Any) -> tuple[Any, Any]:
@@ -157,7 +157,7 @@ def allocated(declared: Any, shapes: Any) -> tuple[Any, Any]:
 def _words(field: Field, shape: Any) -> int:
     if not isinstance(field.kind, Vector):
         return 0
-    return shape[0] * shape[1] if field.kind.ndim == 2 else shape
+    return int(shape[0] * shape[1] if field.kind.ndim == 2 else shape)
 
 
 @register_model(Vector)
