@@ -7,6 +7,7 @@ compared with those of the building. Every detector sees the same pictures of th
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -75,6 +76,8 @@ def run(options: RunOptions) -> ExperimentResult:
 
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One drive: what each detector found, missed and made up."""
+    # The renderer of the drive before must not let go of its OpenGL context in the midst of this.
+    gc.collect()
     drive = Simulation(_plan(task), seed=task["seed"])
     watched = [
         Watched(NetworkDetector(), drive.truth),
