@@ -6,6 +6,7 @@ from tests.objects.world import two_rooms
 from situgraph.geometry.poses import Placement
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
+from situgraph.objects.gaps import WallGap
 from situgraph.objects.stage import ObjectStage, View
 
 ONCE = ObjectsConfig(min_seen=1)
@@ -68,6 +69,20 @@ def test_one_sighting_alone_is_no_object() -> None:
     assert stage.annotated(two_rooms(), np.zeros((0, 3))).objects == ()
     stage.feed(view("k1", 1.5, 2.1, 0.0))
     assert len(stage.annotated(two_rooms(), np.zeros((0, 3))).objects) == 1
+
+
+def test_a_gap_confirms_a_door_that_was_seen_once_and_is_none_alone() -> None:
+    gap = WallGap("a1", np.array([[4.0, 1.6], [4.0, 2.4]]))
+    nowhere = np.zeros((0, 3))
+    stage = ObjectStage(Painted())
+    assert stage.annotated(two_rooms(), nowhere, [gap]).objects == ()
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    assert stage.annotated(two_rooms(), nowhere).objects == ()
+    (door,) = stage.annotated(two_rooms(), nowhere, [gap]).objects
+    assert door.attributes["evidence"] == "vision,gap"
+    assert set(door.rooms) == {"a", "b"}
+    elsewhere = WallGap("a3", np.array([[1.0, 5.0], [2.0, 5.0]]))
+    assert stage.annotated(two_rooms(), nowhere, [elsewhere]).objects == ()
 
 
 def test_without_a_camera_doorways_are_still_found() -> None:

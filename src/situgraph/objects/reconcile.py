@@ -32,7 +32,7 @@ def reconciled(
         near = [
             (apart, k)
             for k in doors
-            if (apart := _along_wall(out[k], passage, graph)) <= config.doorway_merge
+            if (apart := along_wall(out[k], passage, graph)) <= config.doorway_merge
         ]
         if near:
             _, k = min(near)
@@ -56,7 +56,7 @@ def united(door: Object, passage: Object) -> Object:
     )
 
 
-def _along_wall(door: Object, passage: Object, graph: SceneGraph) -> float:
+def along_wall(door: Object, passage: Object, graph: SceneGraph) -> float:
     """Distance (m) of two doors along a face they share; infinite if they share none."""
     shared = set(door.planes) & set(passage.planes)
     if not shared:
