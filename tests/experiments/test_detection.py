@@ -14,6 +14,7 @@ from situgraph.experiments.instances import (
 )
 from situgraph.experiments.passages import crossed_doors
 from situgraph.experiments.relations import _counts
+from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Detection
 from situgraph.plan.six_rooms import six_rooms
 from situgraph.scenegraph.graph import Object
@@ -93,6 +94,6 @@ def test_a_path_through_a_doorway_crosses_that_door_alone() -> None:
 
 @pytest.mark.parametrize("footprints", [True, False])
 def test_without_errors_all_relations_of_the_six_rooms_are_right(footprints) -> None:
-    count = _counts(six_rooms(), 0.0, footprints, np.random.default_rng(0))
+    count = _counts(six_rooms(), 0.0, footprints, np.random.default_rng(0), ObjectsConfig())
     assert count["in_room"] == count["objects"] > 30
     assert count["on_plane"] == count["hung"] > 25
