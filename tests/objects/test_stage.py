@@ -6,8 +6,11 @@ from tests.objects.world import two_rooms
 from situgraph.geometry.poses import Placement
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
+from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap
+from situgraph.objects.reconcile import reconciled
 from situgraph.objects.stage import ObjectStage, View
+from situgraph.scenegraph.graph import Object
 
 ONCE = ObjectsConfig(min_seen=1)
 CAMERA = Camera(386.0, 386.0, 319.5, 239.5)
@@ -115,3 +118,14 @@ def test_objects_move_with_their_keyframes() -> None:
     shift = Placement(0.1, 0.3, 0.0, 0.0)
     stage.correct({"k0": shift.matrix() @ view("k0", 1.5, 2.0, 0.0).pose})
     assert np.allclose(stage.map.objects()[0].center, before + np.array([0.1, 0.3, 0.0]))
+
+
+def test_a_leaf_at_rest_on_a_wall_across_belongs_to_the_passage_beside_it() -> None:
+    graph = two_rooms()
+    leaf = Object("o3", "door", (3.5, 0.0, 1.0), rooms=("a",), planes=("a2",), confidence=0.7)
+    (passage,) = doorways(np.array([[3.0, 0.6, 0.5], [6.0, 0.6, 0.5]]), graph)
+    (door,) = reconciled([leaf], [passage], graph, ONCE)
+    assert (door.id, set(door.planes)) == ("o3", {"a1", "b0"})
+    assert np.allclose(door.center[:2], (4.1, 0.6))
+    far = Object("o4", "door", (2.0, 0.0, 1.0), rooms=("a",), planes=("a2",), confidence=0.7)
+    assert len(reconciled([far], [passage], graph, ONCE)) == 2

@@ -23,7 +23,7 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.relations import RoomView
 from situgraph.scenegraph.graph import Ellipsoid, Object
 
-IN_WALL = 0.2  # m; points this close to a face belong to the opening in it
+BEFORE, BEHIND = 0.15, 0.25  # m; points so near a face, on either side, are of an opening in it
 ENOUGH = 12  # points in the wall that carry a place
 COLUMN = 0.1  # m; width of the columns in which sightings along a wall are counted
 VALLEY = 0.25  # of a well-seen column's sightings; where there are fewer, nothing is
@@ -114,7 +114,7 @@ def _stretches(
         return None
     view, face = host
     normal = views[view].normals[face]
-    inside = np.abs(thing.points @ normal + views[view].offsets[face]) < IN_WALL
+    inside = _in_wall(thing.points @ normal + views[view].offsets[face])
     along = thing.points[inside] @ _tangent(normal)
     heights, hits = thing.points[inside, 2], thing.hits[inside]
     core = hits >= config.core_share * np.quantile(hits, 0.9)
@@ -158,7 +158,7 @@ def _host(thing: Seen, views: tuple[RoomView, ...]) -> tuple[int, int] | None:
     for k, view in enumerate(views):
         distance = thing.points @ view.normals.T + view.offsets
         for i in range(distance.shape[1]):
-            near = np.abs(distance[:, i]) < IN_WALL
+            near = _in_wall(distance[:, i])
             weight = float(thing.hits[near].sum())
             if weight <= best or near.sum() < ENOUGH:
                 continue
@@ -166,6 +166,16 @@ def _host(thing: Seen, views: tuple[RoomView, ...]) -> tuple[int, int] | None:
             if view.sees(foot[None], 0.1)[0]:
                 best, found = weight, (k, i)
     return found
+
+
+def _in_wall(distance: Array) -> NDArray[np.bool_]:
+    """Which signed distances (m) from a face are in its wall.
+
+    An open leaf that rests against another wall stands a little before it; frame, closed leaf and
+    pane lie behind the face.
+    """
+    within: NDArray[np.bool_] = (distance < BEFORE) & (distance > -BEHIND)
+    return within
 
 
 def _tangent(normal: Array) -> Array:
@@ -191,7 +201,7 @@ def _same(
     if abs(facing) < 0.97:
         return False
     behind = abs(d - e) if facing > 0 else abs(d + e)
-    if behind > (IN_WALL if facing > 0 else config.wall_thickness):
+    if behind > (BEHIND if facing > 0 else config.wall_thickness):
         return False
     low, high = _span(second, views, _tangent(n))
     shared = min(first.high, high) - max(first.low, low)

@@ -82,7 +82,9 @@ class ObjectStage:
         doors = gap_doors(gaps, views, self.config)
         backed = [w for w in found.weak if backs(doors, relate(w, views, self.config), graph,
                                                   self.config)]  # fmt: skip
-        seen = [relate(o, views, self.config) for o in (*found.given, *backed, *free)]
+        flat = [relate(o, views, self.config) for o in (*found.given, *backed)]
+        # Where no wall was seen there is no opening in it.
+        seen = [o for o in flat if o.planes] + [relate(o, views, self.config) for o in free]
         passages = doorways(path, graph, self.config)
         objects = reconciled(seen, passages, graph, self.config)
         return graph.replace(objects=supported(objects, doors, graph, self.config))
