@@ -24,6 +24,7 @@ FLOORS: dict[str, float] = {
     "api": 5,
     "pipeline": 5,
     "demo": 5,
+    "demo_drive": 5,
     "detectors": 5,
     "judging": 5,
     "run": 5,
@@ -53,6 +54,13 @@ NEIGHBOURS: set[tuple[str, str]] = {
     ("run_building", "run"),
     ("demo", "api"),
     ("demo", "config"),
+    ("demo_drive", "config"),
+    ("demo_drive", "demo"),
+    ("demo_drive", "detectors"),
+    ("demo_drive", "judging"),
+    ("demo_drive", "pipeline"),
+    ("demo_drive", "run"),
+    ("demo_drive", "run_folder"),
 }
 
 # The simulator makes recordings; it must not know who will read them.
