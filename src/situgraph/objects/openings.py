@@ -25,6 +25,7 @@ from situgraph.scenegraph.graph import Ellipsoid, Object
 
 BEFORE, BEHIND = 0.15, 0.25  # m; points so near a face, on either side, are of an opening in it
 ENOUGH = 12  # points in the wall that carry a place
+SAMPLE = 400  # points of a thing that are enough to tell which wall it is in
 COLUMN = 0.1  # m; width of the columns in which sightings along a wall are counted
 VALLEY = 0.25  # of a well-seen column's sightings; where there are fewer, nothing is
 TRIM = (0.02, 0.98)  # share of the points that bound the opening along and up the wall
@@ -155,16 +156,15 @@ def _host(thing: Seen, views: tuple[RoomView, ...]) -> tuple[int, int] | None:
     """The room's view and face that most of the points lie in, or None."""
     best, found = 0.0, None
     center = np.average(thing.points, axis=0, weights=thing.hits)
+    every = max(1, len(thing.points) // SAMPLE)
+    points, hits = thing.points[::every], thing.hits[::every]
     for k, view in enumerate(views):
-        distance = thing.points @ view.normals.T + view.offsets
-        for i in range(distance.shape[1]):
-            near = _in_wall(distance[:, i])
-            weight = float(thing.hits[near].sum())
-            if weight <= best or near.sum() < ENOUGH:
-                continue
+        near = _in_wall(points @ view.normals.T + view.offsets)
+        weights, counts = hits @ near, near.sum(axis=0) * every
+        for i in np.flatnonzero((weights > best) & (counts >= ENOUGH)).tolist():
             foot = center - (view.normals[i] @ center + view.offsets[i] - 0.05) * view.normals[i]
-            if view.sees(foot[None], 0.1)[0]:
-                best, found = weight, (k, i)
+            if weights[i] > best and view.sees(foot[None], 0.1)[0]:
+                best, found = float(weights[i]), (k, i)
     return found
 
 
