@@ -1,21 +1,22 @@
-"""The demo: a building model, a robot that sees a few rooms of it, and where it must be.
+"""The quick demo: a building model, a view of a few of its rooms, and where the robot must be.
 
 The building is the embedded one, authored as IFC and read back like any other, or the user's own.
-What the robot sees is sampled; the truth is used only to say whether the answers are right.
+What the robot sees is sampled; the truth is used only to say whether the answers are right. The
+whole system, sensors included, is in ``demo_drive``.
 """
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 import numpy as np
 
-from situgraph.geometry.poses import Placement, wrap_angle
+from situgraph.geometry.poses import Array, Placement, wrap_angle
 
 if TYPE_CHECKING:
     from situgraph.config import Settings
@@ -100,9 +101,9 @@ def run_demo(
 
     clock = _Clock(advance)
     target = Path(folder)
-    source = Path(plan) if plan is not None else _authored(target)
+    source = Path(plan) if plan is not None else authored(target)
     clock.done("building")
-    prior = _read(source, settings)
+    prior = read_rooms(source, settings)
     clock.done("plan")
     whole = Sampler(prior, _noise()).sample(min(rooms, len(prior.rooms)), seed)
     clock.done("sample")
@@ -115,7 +116,7 @@ def run_demo(
         results.append((part, found))
         steps.append(_step(part, found))
     clock.done("match")
-    shown, policy = _telling(steps)
+    shown, policy = telling(steps)
     part, found = results[shown - 1]
     chosen = found[POLICIES.index(policy)]
     files = _saved(target, prior, part, (found[0], chosen), steps, clock.seconds, settings)
@@ -164,14 +165,20 @@ def _noise() -> SamplerConfig:
     )
 
 
-def _authored(folder: Path) -> Path:
+def authored(folder: Path) -> Path:
+    """The embedded building as an IFC file in ``folder``."""
     from situgraph.plan.ifc_writer import write_ifc
     from situgraph.plan.six_rooms import six_rooms
 
     return write_ifc(six_rooms(), folder / "six-rooms.ifc")
 
 
-def _read(source: Path, settings: Settings) -> SceneGraph:
+def read_rooms(source: Path, settings: Settings) -> SceneGraph:
+    """The plan in a file.
+
+    Raises:
+        InputError: it cannot be read or has no rooms.
+    """
     from situgraph.api import read_plan
     from situgraph.errors import InputError
 
@@ -203,10 +210,16 @@ def _match(online: SceneGraph, index: PlanIndex, policy: Policy) -> MatchResult:
 def _step(part: OnlineSample, found: list[MatchResult]) -> Step:
     online = part.online
     center = np.mean([online.room_by_id[r].center for r in part.truth.order], axis=0)
+    answers = answers_of(found, part.truth.placement, center)
+    return Step(len(part.truth.order), len(online.objects), answers)
+
+
+def answers_of(found: Sequence[MatchResult], truth: Placement, center: Array) -> tuple[Answer, ...]:
+    """What the policies answered, and whether it is right at ``center`` (3,) of the map."""
     answers = []
     for policy, result in zip(POLICIES, found):
         best = result.best
-        near = [_near(s.transform, part.truth.placement, center) for s in result.solutions]
+        near = [_near(s.transform, truth, center) for s in result.solutions]
         answers.append(
             Answer(
                 semantics=policy,
@@ -217,16 +230,16 @@ def _step(part: OnlineSample, found: list[MatchResult]) -> Step:
                 right=any(near) if near else None,
             )
         )
-    return Step(len(part.truth.order), len(online.objects), tuple(answers))
+    return tuple(answers)
 
 
-def _near(found: Placement, true: Placement, center: np.ndarray) -> bool:
+def _near(found: Placement, true: Placement, center: Array) -> bool:
     away = float(np.linalg.norm(found.points(center[:2]) - true.points(center[:2])))
     turn = abs(float(wrap_angle(found.yaw - true.yaw)))
     return away <= RIGHT_DISTANCE and turn <= RIGHT_ANGLE
 
 
-def _telling(steps: list[Step]) -> tuple[int, Policy]:
+def telling(steps: list[Step]) -> tuple[int, Policy]:
     """Rooms and policy to show: the first unique answer that walls alone did not give.
 
     Of two policies at one step the likelihood is shown; without any such answer, its last one.

@@ -90,7 +90,12 @@ def judged(run: Run, pipeline: Pipeline, log: str | Path) -> Run:
 
     if not has_truth(log) or not pipeline.slam.keyframes:
         return run
-    truth, trajectory = read_truth(log), pipeline.slam.trajectory()
+    return judged_by(run, pipeline, read_truth(log))
+
+
+def judged_by(run: Run, pipeline: Pipeline, truth: Truth) -> Run:
+    """The run with its judgement by ``truth``."""
+    trajectory = pipeline.slam.trajectory()
     found = judge(pipeline.graph, trajectory, truth, pipeline.result)
     if pipeline.located is not None:
         stamps, poses = trajectory

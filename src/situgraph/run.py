@@ -79,7 +79,7 @@ def run_log(
         watch(count, pipeline.state)
     pipeline.finish()
     total = time.perf_counter() - begin
-    return _told(recording, pipeline, scans, total), pipeline
+    return told(recording, pipeline, scans, total), pipeline
 
 
 def feed(pipeline: Pipeline, message: Message) -> bool:
@@ -96,7 +96,8 @@ def feed(pipeline: Pipeline, message: Message) -> bool:
     return False
 
 
-def _told(recording: Recording, pipeline: Pipeline, scans: int, total: float) -> Run:
+def told(recording: Recording, pipeline: Pipeline, scans: int, total: float) -> Run:
+    """What came of feeding so many ``scans`` of a recording, in ``total`` seconds of work."""
     graph, result, spent = pipeline.graph, pipeline.result, pipeline.seconds
     detector, located, locator = pipeline.objects.detector, pipeline.located, pipeline.locator
     since = None if locator is None else locator.since

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from situgraph.pipeline import Pipeline
     from situgraph.run import Run
     from situgraph.scenegraph.graph import SceneGraph
+    from situgraph.view.report import Report
 
 
 def save_run(
@@ -21,12 +22,14 @@ def save_run(
     pipeline: Pipeline,
     settings: Settings,
     plan: SceneGraph | None = None,
+    sections: Sequence[Callable[[Report], object]] = (),
 ) -> tuple[str, ...]:
     """Write everything into ``folder``, files of an earlier run replaced; returns the names.
 
     ``online.json`` (S-Graph in the map frame), ``trajectory.tum``, ``run.json``, ``settings.yaml``,
     ``log.txt``, ``map.png``; with a plan ``prior.json``, ``match.json``, ``history.png`` and
     ``report.html``; where a match is adopted also what ``run_building.save_located`` writes.
+    ``sections`` add to the report, each called with it.
 
     Raises:
         InputError: the folder cannot be written to.
@@ -49,7 +52,7 @@ def save_run(
     save_figure(draw_graph(graph, settings.view), target / "map.png", settings.view.dpi)
     names = ["online.json", "trajectory.tum", "settings.yaml", "log.txt", "run.json", "map.png"]
     if plan is not None and pipeline.result is not None:
-        names += _save_match(target, run, pipeline, settings, graph, plan)
+        names += _save_match(target, run, pipeline, settings, graph, plan, sections)
     return tuple(names)
 
 
@@ -60,6 +63,7 @@ def _save_match(
     settings: Settings,
     graph: SceneGraph,
     plan: SceneGraph,
+    sections: Sequence[Callable[[Report], object]],
 ) -> list[str]:
     from situgraph.run_building import save_located, tell_located
     from situgraph.scenegraph.codec import write_json
@@ -90,7 +94,7 @@ def _save_match(
         graph,
         plan,
         target / "report.html",
-        sections=[lambda report: tell_located(report, run, pipeline, plan, settings)],
+        sections=[*sections, lambda report: tell_located(report, run, pipeline, plan, settings)],
         config=view,
     )
     return [*names, *figures]

@@ -126,7 +126,7 @@ def test_a_map_that_drifts_is_bent_straight() -> None:
             factors.push_back(gtsam.OrientedPlane3Factor(coefficients, sharp, key, planes[name]))
     frames = {f"k{i}": gtsam.symbol("x", i) for i in range(len(true))}
     evidence = Evidence(factors, values, planes, frames)
-    faces = walls(online, PRIOR, {p: p for p in planes}, MAP)
+    faces = walls(online, PRIOR, [(p, p) for p in planes], MAP)
     found = couple(evidence, faces, MAP, CONFIG)
     for i, room in enumerate(PRIOR.rooms):
         assert found.frames[f"k{i}"][:3, 3] == pytest.approx(room.center, abs=0.02)

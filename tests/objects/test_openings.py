@@ -6,6 +6,7 @@ from tests.objects.world import two_rooms
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.openings import Seen, openings
 from situgraph.objects.relations import room_views
+from situgraph.scenegraph.graph import Object
 
 CONFIG = ObjectsConfig()
 VIEWS = room_views(two_rooms(), CONFIG)
@@ -20,26 +21,27 @@ def thing(number: int, points: np.ndarray, category: str = "door", seen: int = 4
     return Seen(number, category, points, np.full(len(points), float(seen)), seen, seen, 0.9 * seen)
 
 
+def given(things: list[Seen]) -> list[Object]:
+    return openings(things, VIEWS, CONFIG).given
+
+
 def test_both_sides_of_a_wall_are_one_door() -> None:
-    found, homeless = openings(
-        [thing(0, panel(4.0, 1.5, 2.4)), thing(3, panel(4.2, 1.6, 2.4))], VIEWS, CONFIG
-    )
-    (door,) = found
-    assert (door.id, homeless) == ("o0", [])
+    (door,) = given([thing(0, panel(4.0, 1.5, 2.4)), thing(3, panel(4.2, 1.6, 2.4))])
+    assert door.id == "o0"
     assert np.allclose(door.center, (4.0, 1.95, 1.05), atol=0.08)
     assert door.attributes["seen"] == 8
 
 
 def test_an_open_leaf_does_not_move_the_door() -> None:
     leaf = np.stack([np.linspace(3.1, 3.95, 60), np.full(60, 1.5), np.linspace(0, 2, 60)], axis=1)
-    (door,), _ = openings([thing(0, np.concatenate([panel(4.0, 1.5, 2.4), leaf]))], VIEWS, CONFIG)
+    (door,) = given([thing(0, np.concatenate([panel(4.0, 1.5, 2.4), leaf]))])
     assert np.allclose(door.center, (4.0, 1.95, 1.05), atol=0.06)
 
 
 def test_a_window_seen_in_part_does_not_narrow_it() -> None:
     whole = thing(0, panel(0.0, 1.0, 2.6, 0.9, 2.2), "window", 5)
     part = thing(1, panel(0.0, 2.0, 2.5, 1.2, 2.2), "window", 2)
-    (window,), _ = openings([part, whole], VIEWS, CONFIG)
+    (window,) = given([part, whole])
     assert np.allclose(window.center, (0.0, 1.8, 1.55), atol=0.08)
 
 
@@ -47,27 +49,32 @@ def test_neighbours_that_one_frame_ran_together_stay_two() -> None:
     a, b, between = (panel(0.0, *v, 0.9, 2.2) for v in ((0.5, 1.7), (2.1, 3.3), (1.7, 2.1)))
     hits = np.concatenate([np.full(len(a) + len(b), 10.0), np.ones(len(between))])
     both = Seen(7, "window", np.concatenate([a, b, between]), hits, 10, 10, 9.0)
-    found, _ = openings([both], VIEWS, CONFIG)
+    found = given([both])
     assert [o.id for o in found] == ["o7", "o7.2"]
     assert np.allclose(sorted(o.center[1] for o in found), (1.1, 2.7), atol=0.06)
 
 
 def test_of_a_door_and_a_window_in_one_place_the_more_often_seen_stands() -> None:
     door, window = thing(0, panel(4.0, 1.5, 2.4)), thing(1, panel(4.0, 1.5, 2.4), "window", 9)
-    (found,), _ = openings([door, window], VIEWS, CONFIG)
+    (found,) = given([door, window])
     assert found.category == "window"
 
 
 def test_what_lies_in_no_wall_has_no_place() -> None:
-    found, homeless = openings([thing(5, panel(2.0, 1.5, 2.4))], VIEWS, CONFIG)
-    assert (found, homeless) == ([], [5])
+    found = openings([thing(5, panel(2.0, 1.5, 2.4))], VIEWS, CONFIG)
+    assert (found.given, found.weak, found.homeless) == ([], [], [5])
 
 
 def test_slivers_are_no_openings() -> None:
-    found, _ = openings([thing(0, panel(4.0, 1.5, 1.7))], VIEWS, CONFIG)
+    found = given([thing(0, panel(4.0, 1.5, 1.7))])
     assert found == []
 
 
 def test_a_door_begins_near_the_floor() -> None:
-    found, _ = openings([thing(0, panel(4.0, 1.5, 2.4, 1.3, 2.1))], VIEWS, CONFIG)
+    found = given([thing(0, panel(4.0, 1.5, 2.4, 1.3, 2.1))])
     assert found == []
+
+
+def test_what_was_seen_once_is_weak() -> None:
+    found = openings([thing(0, panel(4.0, 1.5, 2.4), seen=1)], VIEWS, CONFIG)
+    assert (found.given, [o.id for o in found.weak]) == ([], ["o0"])

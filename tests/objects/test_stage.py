@@ -6,7 +6,11 @@ from tests.objects.world import two_rooms
 from situgraph.geometry.poses import Placement
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
+from situgraph.objects.doorways import doorways
+from situgraph.objects.gaps import WallGap
+from situgraph.objects.reconcile import reconciled
 from situgraph.objects.stage import ObjectStage, View
+from situgraph.scenegraph.graph import Object
 
 ONCE = ObjectsConfig(min_seen=1)
 CAMERA = Camera(386.0, 386.0, 319.5, 239.5)
@@ -70,6 +74,20 @@ def test_one_sighting_alone_is_no_object() -> None:
     assert len(stage.annotated(two_rooms(), np.zeros((0, 3))).objects) == 1
 
 
+def test_a_gap_confirms_a_door_that_was_seen_once_and_is_none_alone() -> None:
+    gap = WallGap("a1", np.array([[4.0, 1.6], [4.0, 2.4]]))
+    nowhere = np.zeros((0, 3))
+    stage = ObjectStage(Painted())
+    assert stage.annotated(two_rooms(), nowhere, [gap]).objects == ()
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    assert stage.annotated(two_rooms(), nowhere).objects == ()
+    (door,) = stage.annotated(two_rooms(), nowhere, [gap]).objects
+    assert door.attributes["evidence"] == "vision,gap"
+    assert set(door.rooms) == {"a", "b"}
+    elsewhere = WallGap("a3", np.array([[1.0, 5.0], [2.0, 5.0]]))
+    assert stage.annotated(two_rooms(), nowhere, [elsewhere]).objects == ()
+
+
 def test_without_a_camera_doorways_are_still_found() -> None:
     stage = ObjectStage(None)
     assert stage.feed(view("k0", 1.5, 2.0, 0.0)) == 0
@@ -100,3 +118,14 @@ def test_objects_move_with_their_keyframes() -> None:
     shift = Placement(0.1, 0.3, 0.0, 0.0)
     stage.correct({"k0": shift.matrix() @ view("k0", 1.5, 2.0, 0.0).pose})
     assert np.allclose(stage.map.objects()[0].center, before + np.array([0.1, 0.3, 0.0]))
+
+
+def test_a_leaf_at_rest_on_a_wall_across_belongs_to_the_passage_beside_it() -> None:
+    graph = two_rooms()
+    leaf = Object("o3", "door", (3.5, 0.0, 1.0), rooms=("a",), planes=("a2",), confidence=0.7)
+    (passage,) = doorways(np.array([[3.0, 0.6, 0.5], [6.0, 0.6, 0.5]]), graph)
+    (door,) = reconciled([leaf], [passage], graph, ONCE)
+    assert (door.id, set(door.planes)) == ("o3", {"a1", "b0"})
+    assert np.allclose(door.center[:2], (4.1, 0.6))
+    far = Object("o4", "door", (2.0, 0.0, 1.0), rooms=("a",), planes=("a2",), confidence=0.7)
+    assert len(reconciled([far], [passage], graph, ONCE)) == 2

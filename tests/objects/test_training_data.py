@@ -65,3 +65,11 @@ def test_no_training_layout_has_the_rooms_of_the_six_room_building(generator) ->
         graph = generator.layout_world(first + k, texture + k).graph
         areas = [Polygon(r.footprint).area for r in graph.rooms if r.footprint]
         assert sum(abs(a - ROOM[0] * ROOM[1]) < 0.05 for a in areas) < len(areas) / 2
+
+
+def test_the_model_card_lists_the_seeds(repository: Path) -> None:
+    card = repository / "docs" / "model-card.md"
+    if not card.is_file():
+        pytest.skip("the docs are not in this archive")
+    for seeds in ranges():
+        assert f"{seeds.start} to {seeds.stop - 1}" in card.read_text()

@@ -1,4 +1,4 @@
-"""``situgraph demo``: walls alone cannot tell, objects can, and the report is there."""
+"""``situgraph demo --sampled``: walls alone cannot tell, objects can, the report is there."""
 
 from __future__ import annotations
 
@@ -57,11 +57,10 @@ def test_any_building_and_a_second_run_in_the_same_folder(
     tmp_path: Path, capfdbinary: pytest.CaptureFixture[bytes]
 ) -> None:
     plan = write_ifc(make_layout("random", 8, seed=3), tmp_path / "mine.ifc")
+    where = ["--plan", str(plan), "-o", str(tmp_path / "out")]
     for _ in range(2):
         with pytest.raises(SystemExit) as ended:
-            main(
-                ["demo", "--plan", str(plan), "-o", str(tmp_path / "out"), "--rooms", "2", "--json"]
-            )
+            main(["demo", "--sampled", "--rooms", "2", "--json", *where])
         assert not ended.value.code
         found = json.loads(capfdbinary.readouterr().out)
         assert found["building"] == "mine"
@@ -72,6 +71,8 @@ def test_any_building_and_a_second_run_in_the_same_folder(
 
 def test_a_missing_plan_is_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
-        main(["demo", "--plan", str(tmp_path / "none.ifc"), "-o", str(tmp_path / "out")])
+        main(
+            ["demo", "--sampled", "--plan", str(tmp_path / "none.ifc"), "-o", str(tmp_path / "out")]
+        )
     assert ended.value.code == 2
     assert "none.ifc" in capsys.readouterr().err

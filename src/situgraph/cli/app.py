@@ -24,6 +24,7 @@ COMMANDS = {
     "simulate": "Drive a simulated robot through a building.",
     "info": "What a recording holds.",
     "run": "SLAM, objects, matching and coupling on a recording.",
+    "objects": "What a camera with known poses saw: an RGB-D folder, no SLAM.",
     "match": "Place an online scene graph in a prior one.",
     "synth": "Synthetic layouts and partial S-Graphs of them.",
     "experiment": "The paper's experiments and ours.",

@@ -65,6 +65,7 @@ def command(
     from situgraph.judging import judged
     from situgraph.run import run_log
     from situgraph.run_folder import save_run
+    from situgraph.side_by_side import FILE, save_beside, table
 
     pairs = [t.partition("=") for t in topics]
     if any(not equals for _, equals, _ in pairs):
@@ -81,10 +82,15 @@ def command(
     run = judged(run, pipeline, log)
     folder = output or Path(f"{log.resolve().name}-run")
     files = save_run(folder, run, pipeline, settings, prior)
+    beside = save_beside(recording, log, pipeline, folder)
+    files += () if beside is None else (FILE,)
     if as_json:
-        emit_json(msgspec.to_builtins(run) | {"folder": str(folder), "files": files})
+        found = {"folder": str(folder), "files": files}
+        emit_json(msgspec.to_builtins(run) | found | ({"other": beside} if beside else {}))
         return
     show(run)
+    if beside is not None:
+        print_table("The other system's map and ours", *table(beside))
     console().print(f"results are in {folder}: {', '.join(files)}", markup=False, soft_wrap=True)
 
 

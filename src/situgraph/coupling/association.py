@@ -20,12 +20,13 @@ def associate_planes(
     storeys: Mapping[str, str],
     matched: Mapping[str, str],
     config: CouplingConfig,
-) -> dict[str, str]:
-    """Online planes and the planned faces they are: those matched, and the others by their place.
+) -> tuple[tuple[str, str], ...]:
+    """Pairs (online plane, planned face): those matched, and others by their place.
 
-    Each online plane gets the nearest face of the same direction with a common stretch. A face that
-    has its plane already takes another one only in the same surface: a window pane or a cupboard
-    before the wall is not the wall.
+    A plane of the map may be several faces of the plan in one line, and one face may be seen as
+    several planes. A face gets the nearest plane of its direction that covers half of it, else the
+    nearest with a common stretch; further ones only in the same surface: a window pane or a
+    cupboard before the wall is not the wall.
 
     Args:
         online: in the map frame.
@@ -35,26 +36,25 @@ def associate_planes(
         matched: pairs of the match; they stay.
         config: how near is near.
     """
-    pairs = {k: v for k, v in matched.items() if k in online.plane_by_id}
     floors, own = _floors(prior), _floors(online)
     by_storey: dict[str | None, list[Plane]] = {}
     for face in prior.planes:
         for storey in floors.get(face.id, {None}):
             by_storey.setdefault(storey, []).append(face)
     only = set(storeys.values())
-    options: list[tuple[float, str, str]] = []
+    options: list[tuple[bool, float, str, str]] = []
     for plane in online.planes:
-        if plane.id not in pairs:
-            levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}
-            faces = [f for level in levels or only for f in by_storey.get(level, [])]
-            if levels or len(only) == 1:
-                options += _options(plane, faces, placement, config)
-    taken = set(pairs.values())
-    for away, name, face_id in sorted(options):
-        if name not in pairs and (face_id not in taken or away <= config.same_surface):
-            pairs[name] = face_id
+        levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}
+        faces = [f for level in levels or only for f in by_storey.get(level, [])]
+        if levels or len(only) == 1:
+            options += _options(plane, faces, placement, config)
+    pairs = {(k, v) for k, v in matched.items() if k in online.plane_by_id}
+    taken = {face for _, face in pairs}
+    for _, away, name, face_id in sorted(options):
+        if face_id not in taken or away <= config.same_surface:
+            pairs.add((name, face_id))
             taken.add(face_id)
-    return pairs
+    return tuple(sorted(pairs))
 
 
 def associate_rooms(
@@ -97,8 +97,11 @@ def _covering(
 
 def _options(
     plane: Plane, faces: list[Plane], placement: Placement, config: CouplingConfig
-) -> Iterator[tuple[float, str, str]]:
-    """The planned faces that an online plane may be: how far away (m), its id, theirs."""
+) -> Iterator[tuple[bool, float, str, str]]:
+    """The planned faces that an online plane may be.
+
+    Whether it covers less than half of the face, how far away it is (m), its id, the face's.
+    """
     n, d = _line(plane)
     normal = placement.vectors(n)
     offset = d - float(normal @ np.array([placement.x, placement.y]))
@@ -111,11 +114,12 @@ def _options(
         if float(_line(face)[0] @ normal) < math.cos(config.same_angle):
             continue
         common = min(seen[1], planned[1]) - max(seen[0], planned[0])
-        if common < min(config.least_overlap, 0.5 * (planned[1] - planned[0])):
+        half = 0.5 * (planned[1] - planned[0])
+        if common < min(config.least_overlap, half):
             continue
         away = float(np.mean(np.abs(_ends(face) @ normal + offset)))
         if away <= config.same_offset:
-            yield away, plane.id, face.id
+            yield common < half, away, plane.id, face.id
 
 
 def _ends(face: Plane) -> Array:

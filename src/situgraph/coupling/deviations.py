@@ -79,7 +79,7 @@ def find_deviations(
     """
     able = (seen.categories if looked_for is None else set(looked_for)) & prior.modelled
     return (
-        *_moved_walls(prior, walls, config),
+        *_moved_walls(seen, prior, walls, config),
         *_missing_walls(seen, prior, walls, rooms, config),
         *_extra_walls(seen, prior, walls, rooms, config),
         *_openings(seen, prior, walls, rooms, objects, able, config),
@@ -87,13 +87,14 @@ def find_deviations(
 
 
 def _moved_walls(
-    prior: SceneGraph, walls: Sequence[WallEstimate], config: CouplingConfig
+    seen: SceneGraph, prior: SceneGraph, walls: Sequence[WallEstimate], config: CouplingConfig
 ) -> Iterable[Deviation]:
-    best: dict[str, WallEstimate] = {}
-    for wall in walls:  # of several online planes on one face the surest
-        if wall.prior not in best or wall.offset_sigma < best[wall.prior].offset_sigma:
-            best[wall.prior] = wall
-    for name, wall in sorted(best.items()):
+    best: dict[str, tuple[float, WallEstimate]] = {}
+    for wall in walls:  # of several online planes on one face the one that covers most of it
+        common = _common(seen.plane_by_id[wall.online], prior.plane_by_id[wall.prior])
+        if wall.prior not in best or common > best[wall.prior][0]:
+            best[wall.prior] = (common, wall)
+    for name, (_, wall) in sorted(best.items()):
         told = max(config.told_offset, config.told_sigmas * wall.offset_sigma)
         if abs(wall.offset) <= told:
             continue
@@ -114,6 +115,13 @@ def _moved_walls(
             wall.tilt_sigma,
             _element(prior.plane_by_id[name]),
         )
+
+
+def _common(plane: Plane, face: Plane) -> float:
+    """Metres that a plane and a planned face have in common."""
+    along = _along(face)
+    a, b = stretch(plane, along), stretch(face, along)
+    return math.inf if a is None or b is None else min(a[1], b[1]) - max(a[0], b[0])
 
 
 def _missing_walls(
@@ -242,7 +250,7 @@ def _openings(
                 yield _about("moved-object", item, prior, what, online=partner, offset=shift)
         elif _looked_at(item, hosts, faces, seen, prior) and set(item.rooms) <= set(rooms.values()):
             yield _about("missing-object", item, prior, "was planned and not found")
-    planned = {w.online: w.prior for w in walls}
+    planned = {w.online for w in walls}
     for item in seen.objects:
         host = next((p for p in item.planes if p in planned), None)
         sightings = item.attributes.get("sightings", config.least_sightings)
@@ -270,13 +278,15 @@ def _paired(
 ) -> dict[str, str]:
     """Openings seen and planned that are one: as matched, else the nearest on the same face."""
     pairs = {o: p for o, p in objects.items() if o in seen.object_by_id and p in prior.object_by_id}
-    face_of = {w.online: w.prior for w in walls}
+    faces_of: dict[str, set[str]] = {}
+    for wall in walls:
+        faces_of.setdefault(wall.online, set()).add(wall.prior)
     taken = set(pairs.values())
     options = []
     for item in seen.objects:
         if item.id in pairs:
             continue
-        for face in {face_of[p] for p in item.planes if p in face_of}:
+        for face in sorted(set().union(*(faces_of.get(p, set()) for p in item.planes))):
             for other in prior.objects_by_plane.get(face, ()):
                 if other.category == item.category and other.id not in taken:
                     away = float(np.linalg.norm(_flat(item, other)))

@@ -40,7 +40,7 @@ class Located:
 
     Attributes:
         rooms: online room -> planned room, also those that were associated by their place.
-        planes: likewise.
+        planes: pairs of an online plane and a planned face, likewise; either may occur twice.
         coupled: the solution of both graphs.
         carrier: takes poses and points of the map to the building.
     """
@@ -51,12 +51,13 @@ class Located:
         prior: SceneGraph,
         coupled: Coupled,
         pairs: Pairs,
+        planes: tuple[tuple[str, str], ...],
         looked_for: Collection[str] | None,
         config: CouplingConfig,
     ) -> None:
-        """``pairs`` as associated; ``looked_for``: categories that the robot would have seen."""
+        """``planes`` as associated; ``looked_for``: categories that the robot would have seen."""
         self.coupled = coupled
-        self.rooms, self.planes = pairs.rooms, pairs.planes
+        self.rooms, self.planes = pairs.rooms, planes
         self.carrier = Carrier(online.keyframes, coupled.frames, coupled.building_T_map)
         self._online, self._prior, self._pairs = online, prior, pairs
         self._looked_for, self._config = looked_for, config
@@ -94,7 +95,6 @@ class Located:
             "transform": {"x": at.x, "y": at.y, "z": at.z, "yaw": at.yaw},
             "building_T_map": m.tolist(),
             "rooms": dict(self.rooms),
-            "planes": dict(self.planes),
             "rms": self.coupled.rms,
             "walls": [
                 {
@@ -134,7 +134,7 @@ def locate(
     """
     settings = config or CouplingConfig()
     known = from_scene(online, settings) if evidence is None else evidence
-    placement, planes = pairs.placement, dict(pairs.planes)
+    placement, planes = pairs.placement, tuple(sorted(pairs.planes.items()))
     for _ in range(ROUNDS):
         faces = walls(online, prior, planes, placement)
         coupled = couple(known, faces, placement, settings)
@@ -146,8 +146,8 @@ def locate(
     else:
         coupled = couple(known, walls(online, prior, planes, placement), placement, settings)
     rooms = associate_rooms(online, prior, placement, pairs.storeys, pairs.rooms, settings)
-    found = Pairs(placement, rooms, planes, pairs.objects, pairs.storeys)
-    return Located(online, prior, coupled, found, looked_for, settings)
+    found = Pairs(placement, rooms, pairs.planes, pairs.objects, pairs.storeys)
+    return Located(online, prior, coupled, found, planes, looked_for, settings)
 
 
 def _carried(online: SceneGraph, coupled: Coupled, carrier: Carrier) -> SceneGraph:

@@ -174,11 +174,15 @@ def unexplained(
     a counterpart there.
     """
     rooms = associate_rooms(online, prior, pairs.placement, pairs.storeys, {}, config)
-    faces = associate_planes(online, prior, pairs.placement, pairs.storeys, {}, config)
+    pairs_of_faces = associate_planes(online, prior, pairs.placement, pairs.storeys, {}, config)
+    faces: dict[str, set[str]] = {}
+    for name, face in pairs_of_faces:
+        faces.setdefault(name, set()).add(face)
     found = []
     for room in online.rooms:
         planned = prior.room_by_id.get(rooms.get(room.id, ""))
-        own = [p for p in room.planes if planned and faces.get(p) in planned.planes]
+        there = set() if planned is None else set(planned.planes)
+        own = [p for p in room.planes if faces.get(p, set()) & there]
         if not _spread(online, own):
             found.append(room.id)
     return tuple(found)

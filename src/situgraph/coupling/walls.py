@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,11 +27,11 @@ class Wall:
 
 
 def walls(
-    online: SceneGraph, prior: SceneGraph, pairs: Mapping[str, str], placement: Placement
+    online: SceneGraph, prior: SceneGraph, pairs: Iterable[tuple[str, str]], placement: Placement
 ) -> tuple[Wall, ...]:
-    """The pairs (online id -> prior id) that both graphs know, in the order of the online ids."""
+    """The pairs (online id, prior id) that both graphs know, in the order of the online ids."""
     found = []
-    for name, planned in sorted(pairs.items()):
+    for name, planned in sorted(pairs):
         seen, face = online.plane_by_id.get(name), prior.plane_by_id.get(planned)
         if seen is not None and face is not None:
             height = float(placement.points(place_of(online, seen))[2])

@@ -7,6 +7,7 @@ compared with those of the building. Every detector sees the same pictures of th
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -37,11 +38,12 @@ from situgraph.scenegraph.transform import transformed
 from situgraph.sim.simulation import Simulation
 from situgraph.sim.truth import Truth
 
-REVISION = 1
+REVISION = 2
 DATA = "../shared/data"
 SIX = "six rooms"
 BUILDINGS = {"FZK-Haus": "ifc/AC20-FZK-Haus.ifc", "LargeBuilding": "ifc/bimwhale_LargeBuilding.ifc"}
-SEEDS = {SIX: (10, 10), "FZK-Haus": (3, 10), "LargeBuilding": (3, 10)}  # default, full
+SEEDS = {SIX: (10, 10), "FZK-Haus": (2, 10), "LargeBuilding": (2, 10)}  # default, full
+FIRST_SEED = 300  # drives before it were looked at while the stage was made
 CATEGORIES = ("window", "door")
 DETECTORS = ("network", "oracle")
 SCORED = 4  # every so-manieth picture is compared pixel by pixel
@@ -66,7 +68,7 @@ def run(options: RunOptions) -> ExperimentResult:
             continue
         seeds = int(options.extra.get("seeds", sizes[options.full]))
         tasks += [
-            {"building": building, "data": str(data), "seed": options.seed + 100 + k}
+            {"building": building, "data": str(data), "seed": options.seed + FIRST_SEED + k}
             for k in range(seeds)
         ]
     experiment = Experiment("detection", tasks, solve, summarise, options.seed, REVISION)
@@ -75,6 +77,8 @@ def run(options: RunOptions) -> ExperimentResult:
 
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One drive: what each detector found, missed and made up."""
+    # The renderer of the drive before must not let go of its OpenGL context in the midst of this.
+    gc.collect()
     drive = Simulation(_plan(task), seed=task["seed"])
     watched = [
         Watched(NetworkDetector(), drive.truth),

@@ -17,6 +17,7 @@ import numpy as np
 from situgraph.experiments.passages import doorway_row
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
+from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.relations import related
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
@@ -30,6 +31,12 @@ LAYOUTS = (12, 60)  # default, full
 LAYOUT_SEED = 4_000
 REPEATS = 5  # directions in which each object is moved
 DRIVES = (10, 50)
+# Settings whose choice is shown: share of right relations at errors of ``CLAIMED``.
+SWEPT: Mapping[str, tuple[float, ...]] = {
+    "wall_distance": (0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5),
+    "visibility_margin": (0.0, 0.05, 0.1, 0.15, 0.2, 0.3),
+    "wall_thickness": (0.1, 0.2, 0.3, 0.4, 0.6, 0.8),
+}
 
 
 def run(options: RunOptions) -> ExperimentResult:
@@ -41,6 +48,12 @@ def run(options: RunOptions) -> ExperimentResult:
         for k in range(-1, layouts)
         for known in (True, False)
     ]
+    tasks += [
+        {"part": "threshold", "setting": name, "value": value, "layouts": min(layouts, 6),
+         "seed": options.seed}
+        for name, values in SWEPT.items()
+        for value in values
+    ]  # fmt: skip
     tasks += [{"part": "doorways", "drive": k, "seed": options.seed + 200 + k}
               for k in range(drives)]  # fmt: skip
     experiment = Experiment("relations", tasks, solve, summarise, options.seed, REVISION)
@@ -54,9 +67,12 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One building's relations at every error, or one drive's doorways."""
     if task["part"] == "doorways":
         return {"part": "doorways", **doorway_row(_driven(task["drive"]), task["seed"])}
+    if task["part"] == "threshold":
+        return _threshold(task)
     plan = building(task["layout"])
     rng = np.random.default_rng([task["seed"], 31, task["layout"] + 1])
-    sweep = [_counts(plan, error, task["footprints"], rng) for error in ERRORS]
+    config = ObjectsConfig()
+    sweep = [_counts(plan, error, task["footprints"], rng, config) for error in ERRORS]
     return {
         "part": "relations", "building": plan.name, "footprints": task["footprints"],
         "sweep": sweep,
@@ -77,7 +93,11 @@ def _driven(number: int) -> SceneGraph:
 
 
 def _counts(
-    plan: SceneGraph, error: float, footprints: bool, rng: np.random.Generator
+    plan: SceneGraph,
+    error: float,
+    footprints: bool,
+    rng: np.random.Generator,
+    config: ObjectsConfig,
 ) -> dict[str, Any]:
     """Right relations of all objects, moved by ``error`` (m) in ``REPEATS`` directions each."""
     if not footprints:
@@ -86,7 +106,7 @@ def _counts(
     count = {"error": error, "objects": 0, "in_room": 0, "hung": 0, "on_plane": 0}
     for _ in range(REPEATS if error else 1):
         moved = tuple(_moved(o, error, rng) for o in plan.objects)
-        for old, new in zip(plan.objects, related(plan.replace(objects=moved)).objects):
+        for old, new in zip(plan.objects, related(plan.replace(objects=moved), config).objects):
             if not old.rooms:
                 continue
             count["objects"] += 1
@@ -95,6 +115,18 @@ def _counts(
                 count["hung"] += 1
                 count["on_plane"] += set(new.planes) == set(old.planes)
     return count
+
+
+def _threshold(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Right relations, walls known and footprints not, with one setting changed."""
+    config = msgspec.structs.replace(ObjectsConfig(), **{task["setting"]: task["value"]})
+    rng = np.random.default_rng([task["seed"], 32])
+    counts = [_counts(building(k), CLAIMED, False, rng, config) for k in range(-1, task["layouts"])]
+    return {
+        "part": "threshold", "setting": task["setting"], "value": task["value"],
+        "in_room": _share(counts, "in_room", "objects"),
+        "on_plane": _share(counts, "on_plane", "hung"),
+    }  # fmt: skip
 
 
 def _moved(item: Object, error: float, rng: np.random.Generator) -> Object:
@@ -112,9 +144,12 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
     errors = [e for r in drives for e in r["errors"]]
     crossed = sum(r["crossed"] for r in drives)
     found = sum(r["found"] for r in drives)
+    at_claimed = [s for s in steps if s["error"] == CLAIMED]
     return {
         "in_room_right": _share(claimed, "in_room", "objects"),
         "on_plane_right": _share(claimed, "on_plane", "hung"),
+        "in_room_right_at_0.2_m": _share(at_claimed, "in_room", "objects"),
+        "on_plane_right_at_0.2_m": _share(at_claimed, "on_plane", "hung"),
         "objects": sum(s["objects"] for s in claimed),
         "drives": len(drives),
         "doorways_crossed": crossed,
@@ -131,7 +166,7 @@ def _share(steps: list[dict[str, Any]], part: str, whole: str) -> float | None:
 
 
 def draw(result: ExperimentResult, folder: Path) -> None:
-    """Share of right relations over the error of the centre."""
+    """Share of right relations over the error of the centre, and over each setting."""
     from situgraph.view.experiments import draw_lines
 
     rows = []
@@ -151,3 +186,14 @@ def draw(result: ExperimentResult, folder: Path) -> None:
         x_name="error of the object's centre (m)", y_name="right (%)",
     )  # fmt: skip
     figure.savefig(folder / "relations.png", dpi=150, bbox_inches="tight")
+    choices = [
+        {"value": r["value"], "right": 100.0 * r[part], "series": f"{name}, {r['setting']}"}
+        for r in result.rows
+        if r["part"] == "threshold"
+        for name, part in (("in room", "in_room"), ("on plane", "on_plane"))
+    ]
+    figure = draw_lines(
+        choices, "value", "right", "series", title=f"Relations at errors of {CLAIMED} m",
+        x_name="value of the setting (m; margin: share of the ray)", y_name="right (%)",
+    )  # fmt: skip
+    figure.savefig(folder / "relations-thresholds.png", dpi=150, bbox_inches="tight")

@@ -31,8 +31,8 @@ MB = 1024.0 * 1024.0
 def run(options: RunOptions) -> ExperimentResult:
     """Compute it; with a folder also draw the cost of a scan over the drives.
 
-    Extra parameters: ``data``, the folder with ``ifc``; ``buildings``, names with semicolons between;
-    ``seeds``; ``camera`` (false: LiDAR and odometry only).
+    Extra parameters: ``data``, the folder with ``ifc``; ``buildings``, names with semicolons
+    between; ``seeds``; ``camera`` (false: LiDAR and odometry only).
 
     Raises:
         InputError: the folder or a building is not there.

@@ -21,7 +21,11 @@ from situgraph.objects.detections import Camera, Detection
 
 GLASS = frozenset({"window"})
 RING_POINTS = 20  # fewest ring pixels that carry a plane
-PLANE_ROUNDS = 3  # of trimming in the plane fit
+DRAWS = 60  # triples tried for a plane; with half of the ring on it, one in eight holds it
+FLAT = 0.04  # m; points this near a plane lie on it
+WALLS = 3  # planes tried around one window
+OWN_SHARE = 0.05  # of a window's pixels that must have depth for it to be asked
+BEHIND = 0.3  # m; a window whose depth is all farther behind a plane is not in it
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,36 +119,63 @@ def _points(image: _Sparse, whole: NDArray[np.bool_], category: str) -> Array:
     z, good = image.z[window], image.good[window]
     if category in GLASS:
         around = ndimage.binary_dilation(mask, iterations=image.ring)
-        return _on_wall(rays, z, good & around & ~ndimage.binary_dilation(mask), core, image.reach)
+        ring = around & ~ndimage.binary_dilation(mask)
+        return _on_wall(rays, z, good, ring, core, image.reach)
     pick = core & good
     points: Array = rays[pick] * z[pick][:, None]
     return points
 
 
 def _on_wall(
-    rays: Array, z: Array, ring: NDArray[np.bool_], core: NDArray[np.bool_], reach: float
+    rays: Array,
+    z: Array,
+    good: NDArray[np.bool_],
+    ring: NDArray[np.bool_],
+    core: NDArray[np.bool_],
+    reach: float,
 ) -> Array:
-    """The mask's rays cut with the plane of the wall around it (none if no plane is seen there)."""
-    plane = _plane(rays[ring] * z[ring][:, None])
-    if plane is None:
-        return np.zeros((0, 3))
-    normal, offset = plane
-    picked = rays[core]
-    with np.errstate(divide="ignore"):
-        scale = -offset / (picked @ normal)
-    near = (scale > 0.0) & (scale < reach)
-    points: Array = picked[near] * scale[near][:, None]
-    return points
+    """The mask's rays cut with the plane of the wall around it (none if no plane is seen there).
+
+    What stands before a window is in the ring too, and so is the wall with the doorway through
+    which it is seen: a plane that all of the window's own depth lies behind is not its wall.
+    """
+    around = rays[ring & good] * z[ring & good][:, None]
+    own, depth = rays[core & good], z[core & good]
+    if len(depth) < OWN_SHARE * core.sum():  # a patch behind the glass says nothing
+        own, depth = own[:0], depth[:0]
+    for _ in range(WALLS):
+        plane = _plane(around)
+        if plane is None:
+            break
+        normal, offset = plane
+        if not len(depth) or float(np.quantile(depth + offset / (own @ normal), 0.1)) < BEHIND:
+            picked = rays[core]
+            with np.errstate(divide="ignore"):
+                scale = -offset / (picked @ normal)
+            near = (scale > 0.0) & (scale < reach)
+            points: Array = picked[near] * scale[near][:, None]
+            return points
+        around = around[np.abs(around @ normal + offset) > 2.0 * FLAT]
+    return np.zeros((0, 3))
 
 
 def _plane(points: Array) -> tuple[Array, float] | None:
-    """A trimmed least-squares plane of points (n, 3): unit normal and offset, or None."""
-    for _ in range(PLANE_ROUNDS):
-        if len(points) < RING_POINTS:
-            return None
-        center = points.mean(axis=0)
-        _, _, vectors = np.linalg.svd(points - center, full_matrices=False)
-        normal = vectors[2]
-        distance = np.abs((points - center) @ normal)
-        points = points[distance <= max(2.0 * float(np.median(distance)), 0.005)]
-    return normal, -float(normal @ center)
+    """The plane that most points (n, 3) lie on: unit normal and offset, or None.
+
+    The best of ``DRAWS`` triples, then least squares over what it holds.
+    """
+    if len(points) < RING_POINTS:
+        return None
+    picks = points[np.random.default_rng(0).integers(len(points), size=(DRAWS, 3))]
+    normals = np.cross(picks[:, 1] - picks[:, 0], picks[:, 2] - picks[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    normals = normals[lengths > 1e-9] / lengths[lengths > 1e-9][:, None]
+    if not len(normals):
+        return None
+    apart = np.abs(points @ normals.T - np.sum(normals * picks[lengths > 1e-9, 0], axis=1))
+    held = points[apart[:, int(np.argmax((apart < FLAT).sum(axis=0)))] < FLAT]
+    if len(held) < RING_POINTS:
+        return None
+    center = held.mean(axis=0)
+    _, _, vectors = np.linalg.svd(held - center, full_matrices=False)
+    return vectors[2], -float(vectors[2] @ center)

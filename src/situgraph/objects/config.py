@@ -176,6 +176,14 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "m", "source": "docs/objects.md"},
         ),
     ] = 0.6
+    opening_gap: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="openings in one wall with as much wall between them are two",
+            extra={"unit": "m", "source": "docs/objects.md"},
+        ),
+    ] = 0.2
     opening_overlap: Annotated[
         float,
         Meta(

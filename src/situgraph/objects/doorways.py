@@ -67,7 +67,10 @@ def _crossings(path: Array, views: tuple[RoomView, ...]) -> list[Crossing]:
 
 
 def _exit(room: int, start: Array, end: Array, views: tuple[RoomView, ...]) -> Crossing | None:
-    """Where the segment from ``start`` in a room to ``end`` outside leaves it: its first face."""
+    """Where the segment from ``start`` in a room to ``end`` outside leaves it: its first face.
+
+    None where there is no such face, or no wall behind it.
+    """
     view = views[room]
     a = view.normals @ start + view.offsets
     b = view.normals @ end + view.offsets
@@ -75,6 +78,8 @@ def _exit(room: int, start: Array, end: Array, views: tuple[RoomView, ...]) -> C
     if not cut:
         return None
     s, i = min(cut)
+    if view.planes[i].virtual:
+        return None
     return Crossing(start + s * (end - start), room, int(i))
 
 

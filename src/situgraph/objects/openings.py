@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
+from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
 from situgraph.objects.association import confidence
@@ -22,8 +23,11 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.relations import RoomView
 from situgraph.scenegraph.graph import Ellipsoid, Object
 
-IN_WALL = 0.2  # m; points this close to a face belong to the opening in it
+BEFORE, BEHIND = 0.15, 0.25  # m; points so near a face, on either side, are of an opening in it
 ENOUGH = 12  # points in the wall that carry a place
+SAMPLE = 400  # points of a thing that are enough to tell which wall it is in
+COLUMN = 0.1  # m; width of the columns in which sightings along a wall are counted
+VALLEY = 0.25  # of a well-seen column's sightings; where there are fewer, nothing is
 TRIM = (0.02, 0.98)  # share of the points that bound the opening along and up the wall
 
 
@@ -63,9 +67,18 @@ class Stretch:
         return confidence(self.seen, self.expected, self.score)
 
 
+@dataclass(frozen=True)
+class Openings:
+    """``given``: seen well enough; ``weak``: not by the camera alone; ``homeless``: in no wall."""
+
+    given: list[Object]
+    weak: list[Object]
+    homeless: list[int]
+
+
 def openings(
     things: Sequence[Seen], views: tuple[RoomView, ...], config: ObjectsConfig
-) -> tuple[list[Object], list[int]]:
+) -> Openings:
     """The openings in the rooms' walls, and the numbers of the things that lie in no wall.
 
     Of a door and a window that claim the same stretch, the one with more sightings stands.
@@ -85,8 +98,12 @@ def openings(
             found.append(stretch)
         elif found[met].category == stretch.category:
             found[met] = _united(found[met], stretch, views)
-    given = [_object(key, s, views) for key, s in _named(found) if _given_out(s, views, config)]
-    return given, homeless
+    named = [(key, s) for key, s in _named(found) if _plausible(s, views, config)]
+    sure = {key for key, s in named if _seen_enough(s, config)}
+    objects = [_object(key, s, views) for key, s in named]
+    return Openings(
+        [o for o in objects if o.id in sure], [o for o in objects if o.id not in sure], homeless
+    )
 
 
 def _stretches(
@@ -98,17 +115,13 @@ def _stretches(
         return None
     view, face = host
     normal = views[view].normals[face]
-    inside = np.abs(thing.points @ normal + views[view].offsets[face]) < IN_WALL
+    inside = _in_wall(thing.points @ normal + views[view].offsets[face])
     along = thing.points[inside] @ _tangent(normal)
     heights, hits = thing.points[inside, 2], thing.hits[inside]
     core = hits >= config.core_share * np.quantile(hits, 0.9)
     along, heights, hits = along[core], heights[core], hits[core]
-    order = np.argsort(along, kind="stable")
-    breaks = np.flatnonzero(np.diff(along[order]) > config.cluster_gap) + 1
     found = []
-    for part in np.split(order, breaks):
-        if len(part) < ENOUGH:
-            continue
+    for part in _parts(along, hits, config.opening_gap):
         low, high = np.quantile(along[part], TRIM)
         bottom, top = np.quantile(heights[part], TRIM)
         found.append(
@@ -120,21 +133,49 @@ def _stretches(
     return found
 
 
+def _parts(along: Array, hits: Array, gap: float) -> list[NDArray[np.intp]]:
+    """Indices of the points of each part: parts are ``gap`` (m) apart, or seldom seen between.
+
+    Two neighbouring windows run together in a picture now and then; what lies between them is then
+    seen in a few frames only.
+    """
+    column = np.floor((along - along.min()) / COLUMN).astype(int)
+    weight = np.bincount(column, hits)
+    full = weight >= VALLEY * np.quantile(weight[weight > 0], 0.75)
+    runs = np.flatnonzero(full)
+    breaks = np.flatnonzero(np.diff(runs) > round(gap / COLUMN)) + 1
+    found = []
+    for run in np.split(runs, breaks):
+        part = np.flatnonzero((column >= run[0]) & (column <= run[-1]))
+        if len(part) >= ENOUGH:
+            found.append(part)
+    return found
+
+
 def _host(thing: Seen, views: tuple[RoomView, ...]) -> tuple[int, int] | None:
     """The room's view and face that most of the points lie in, or None."""
     best, found = 0.0, None
     center = np.average(thing.points, axis=0, weights=thing.hits)
+    every = max(1, len(thing.points) // SAMPLE)
+    points, hits = thing.points[::every], thing.hits[::every]
     for k, view in enumerate(views):
-        distance = thing.points @ view.normals.T + view.offsets
-        for i in range(distance.shape[1]):
-            near = np.abs(distance[:, i]) < IN_WALL
-            weight = float(thing.hits[near].sum())
-            if weight <= best or near.sum() < ENOUGH:
-                continue
+        near = _in_wall(points @ view.normals.T + view.offsets)
+        weights, counts = hits @ near, near.sum(axis=0) * every
+        for i in np.flatnonzero((weights > best) & (counts >= ENOUGH)).tolist():
             foot = center - (view.normals[i] @ center + view.offsets[i] - 0.05) * view.normals[i]
-            if view.sees(foot[None], 0.1)[0]:
-                best, found = weight, (k, i)
+            if weights[i] > best and view.sees(foot[None], 0.1)[0]:
+                best, found = float(weights[i]), (k, i)
     return found
+
+
+def _in_wall(distance: Array) -> NDArray[np.bool_]:
+    """Which signed distances (m) from a face are in its wall.
+
+    An open leaf that rests against another wall stands a little before it; frame, closed leaf and
+    pane lie behind the face.
+    """
+    within: NDArray[np.bool_] = (distance < BEFORE) & (distance > -BEHIND)
+    return within
 
 
 def _tangent(normal: Array) -> Array:
@@ -160,7 +201,7 @@ def _same(
     if abs(facing) < 0.97:
         return False
     behind = abs(d - e) if facing > 0 else abs(d + e)
-    if behind > (IN_WALL if facing > 0 else config.wall_thickness):
+    if behind > (BEHIND if facing > 0 else config.wall_thickness):
         return False
     low, high = _span(second, views, _tangent(n))
     shared = min(first.high, high) - max(first.low, low)
@@ -188,17 +229,19 @@ def _united(first: Stretch, second: Stretch, views: tuple[RoomView, ...]) -> Str
     )
 
 
-def _given_out(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig) -> bool:
-    """Whether it was seen often enough, is large enough, and a door begins near the floor."""
+def _plausible(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig) -> bool:
+    """Whether it is large enough, and a door begins near the floor."""
     raised = stretch.bottom - views[stretch.view].floor
     if stretch.category == "door" and raised > config.door_sill:
         return False
     return (
-        stretch.seen >= config.min_seen
-        and stretch.confidence >= config.min_confidence
-        and stretch.high - stretch.low >= config.opening_width
+        stretch.high - stretch.low >= config.opening_width
         and stretch.top - stretch.bottom >= config.opening_width
     )
+
+
+def _seen_enough(stretch: Stretch, config: ObjectsConfig) -> bool:
+    return stretch.seen >= config.min_seen and stretch.confidence >= config.min_confidence
 
 
 def _named(found: list[Stretch]) -> list[tuple[str, Stretch]]:

@@ -16,6 +16,8 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.doorways import EVIDENCE
 from situgraph.scenegraph.graph import Object, SceneGraph
 
+ACROSS = 0.5  # cosine; walls that meet at more than 60 degrees
+
 
 def reconciled(
     seen: Sequence[Object], passages: Sequence[Object], graph: SceneGraph, config: ObjectsConfig
@@ -23,7 +25,8 @@ def reconciled(
     """Objects with each passage united with the door it belongs to, else added as its own door.
 
     All objects must carry their relations already. Each passage takes the nearest door that shares
-    one of its faces within ``config.doorway_merge`` along the wall.
+    one of its faces within ``config.doorway_merge`` along the wall; else a door on a face across
+    that is no farther than an open leaf would be, which it then is.
     """
     doors = [k for k, o in enumerate(seen) if o.category == "door"]
     out = list(seen)
@@ -32,11 +35,21 @@ def reconciled(
         near = [
             (apart, k)
             for k in doors
-            if (apart := _along_wall(out[k], passage, graph)) <= config.doorway_merge
+            if (apart := along_wall(out[k], passage, graph)) <= config.doorway_merge
         ]
         if near:
             _, k = min(near)
             out[k] = united(out[k], passage)
+            continue
+        leaves = [
+            (apart, k)
+            for k in doors
+            if (apart := _as_leaf(out[k], passage, graph)) <= config.doorway_width
+        ]
+        if leaves:
+            _, k = min(leaves)
+            bare = msgspec.structs.replace(out[k], rooms=(), planes=())
+            out[k] = united(bare, passage)
         else:
             added.append(passage)
     return (*out, *added)
@@ -56,7 +69,17 @@ def united(door: Object, passage: Object) -> Object:
     )
 
 
-def _along_wall(door: Object, passage: Object, graph: SceneGraph) -> float:
+def _as_leaf(door: Object, passage: Object, graph: SceneGraph) -> float:
+    """Distance (m) of a door on a wall across from the passage's; infinite for other doors."""
+    if not door.planes or not passage.planes or "trajectory" in str(door.attributes.get(EVIDENCE)):
+        return float("inf")
+    own, other = (np.array(graph.plane_by_id[o.planes[0]].normal[:2]) for o in (door, passage))
+    if abs(float(own @ other)) > ACROSS:
+        return float("inf")
+    return float(np.linalg.norm(np.array(door.center[:2]) - np.array(passage.center[:2])))
+
+
+def along_wall(door: Object, passage: Object, graph: SceneGraph) -> float:
     """Distance (m) of two doors along a face they share; infinite if they share none."""
     shared = set(door.planes) & set(passage.planes)
     if not shared:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -21,6 +22,7 @@ from situgraph.scenegraph.graph import Object, Plane, Room, SceneGraph
 
 TWO_SIDED = frozenset({"door", "window"})
 STEP = 0.05  # m; from a face into its room, where the face is probed
+FAR = 2.0  # m; no object is on a face whose plane is farther from its centre
 LONGER = 1.5  # length over depth, in the plan, from which a thing has a front
 ALONG = 0.7  # cosine between its depth and a wall's normal, from which it can hang there
 
@@ -36,6 +38,7 @@ class RoomView:
     floor: float
     bottom: float
     top: float
+    outline: Any  # shapely polygon of the footprint, None where it is unknown
 
     def sees(self, points: Array, margin: float) -> NDArray[np.bool_]:
         """Which of the points (n, 3) are in the room, up to ``margin`` of the ray behind a wall.
@@ -46,8 +49,10 @@ class RoomView:
         z = points[:, 2]
         inside: NDArray[np.bool_] = (z > self.bottom) & (z < self.top)
         center = np.array(self.room.center)
-        if self.room.footprint is not None:
-            return inside & self._in_footprint(points, margin)
+        if self.outline is not None:
+            reach = margin * float(np.sqrt(self.outline.area)) / 2.0
+            held: NDArray[np.bool_] = inside & (self.outside(points) <= reach)
+            return held
         along = (points - center) @ self.normals.T
         start = self.normals @ center + self.offsets
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -56,37 +61,30 @@ class RoomView:
         seen: NDArray[np.bool_] = inside & ~hidden.any(axis=1)
         return seen
 
-    def _in_footprint(self, points: Array, margin: float) -> NDArray[np.bool_]:
-        from shapely import Polygon, contains_xy
-
-        polygon = Polygon(self.room.footprint)
-        reach = margin * float(np.sqrt(polygon.area)) / 2.0
-        grown = polygon.buffer(reach, join_style="mitre") if reach > 0.0 else polygon
-        found: NDArray[np.bool_] = contains_xy(grown, points[:, 0], points[:, 1])
-        return found
-
     def outside(self, points: Array) -> Array:
         """How far (m) each point (n, 3) lies outside the room in the plan, 0 inside."""
-        if self.room.footprint is not None:
+        if self.outline is not None:
             import shapely
 
-            away: Array = shapely.distance(
-                shapely.Polygon(self.room.footprint), shapely.points(points[:, :2])
-            )
+            away: Array = shapely.distance(self.outline, shapely.points(points[:, :2]))
             return away
         behind = points @ self.normals.T + self.offsets
         worst: Array = np.maximum(-behind.min(axis=1, initial=0.0), 0.0)
         return worst
 
-    def faces(self, item: Object, config: ObjectsConfig) -> list[tuple[float, int]]:
-        """The faces a wall-mounted object may be on: (signed distance of its centre, index).
+    def faces(
+        self, point: Array, thin: Array | None, config: ObjectsConfig
+    ) -> list[tuple[float, int]]:
+        """The faces a wall-mounted object at ``point`` may be on: (signed distance, index).
 
-        A thing that is longer than deep, seen from above, is on no wall that it stands across.
+        A thing that is longer than deep, seen from above, is on no wall that it stands across:
+        ``thin`` (3,) is the direction of its depth, if it has one.
         """
-        point, thin = np.array(item.center), _thin_direction(item)
         distance = self.normals @ point + self.offsets
         found = []
         for i in np.argsort(np.abs(distance), kind="stable"):
+            if abs(distance[i]) > FAR:
+                break
             if thin is not None and abs(float(self.normals[i] @ thin)) < ALONG:
                 continue
             foot = point - (distance[i] - STEP) * self.normals[i]
@@ -120,10 +118,20 @@ def room_views(graph: SceneGraph, config: ObjectsConfig) -> tuple[RoomView, ...]
         floor = storey.elevation if storey else room.center[2] - height / 2.0
         planes = tuple(graph.plane_by_id[i] for i in room.planes)
         slack = 0.2 * height
-        views.append(
-            RoomView(room, planes, normals, offsets, floor, floor - slack, floor + height + slack)
-        )
+        bottom, top = floor - slack, floor + height + slack
+        outline = _outline(room)
+        views.append(RoomView(room, planes, normals, offsets, floor, bottom, top, outline))
     return tuple(views)
+
+
+def _outline(room: Room) -> Any:
+    if room.footprint is None:
+        return None
+    import shapely
+
+    polygon = shapely.Polygon(room.footprint)
+    shapely.prepare(polygon)
+    return polygon
 
 
 def room_of(points: Array, views: Iterable[RoomView], margin: float) -> list[int | None]:
@@ -190,7 +198,7 @@ def relate(item: Object, views: tuple[RoomView, ...], config: ObjectsConfig) -> 
     if item.category in WALL_MOUNTED:
         near = [
             (gap, i)
-            for d, i in view.faces(item, config)
+            for d, i in view.faces(point, _thin_direction(item), config)
             if (gap := abs(d) - _reach(item, view.normals[i])) < config.wall_distance
         ]
         on = (view.planes[min(near)[1]].id,) if near else ()
@@ -206,8 +214,9 @@ def _hosts(
     may be before it.
     """
     near = []
+    point, thin = np.array(item.center), _thin_direction(item)
     for k, view in enumerate(views):
-        for distance, i in view.faces(item, config):
+        for distance, i in view.faces(point, thin, config):
             if -config.wall_distance - config.wall_thickness / 2 < distance < config.wall_distance:
                 near.append((abs(distance), k, i, distance))
     near.sort()

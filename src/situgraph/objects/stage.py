@@ -14,7 +14,8 @@ from situgraph.objects.cloud import labelled_clouds, max_range
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.doorways import doorways
-from situgraph.objects.openings import Seen, openings
+from situgraph.objects.gaps import WallGap, backs, gap_doors, supported
+from situgraph.objects.openings import Openings, Seen, openings
 from situgraph.objects.reconcile import reconciled
 from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
 from situgraph.scenegraph.graph import Object, SceneGraph
@@ -69,37 +70,45 @@ class ObjectStage:
         """Corrected poses (4, 4) of keyframes by id: the objects they saw move along."""
         self.map.correct(poses)
 
-    def annotated(self, graph: SceneGraph, path: Array, gaps: Sequence[Object] = ()) -> SceneGraph:
+    def annotated(self, graph: SceneGraph, path: Array, gaps: Sequence[WallGap] = ()) -> SceneGraph:
         """The graph with all objects and doorways and their relations.
 
-        ``path`` (n, 3): the robot's positions in the graph's frame so far; ``gaps``: openings that
-        the LiDAR saw in walls, as objects of category ``door``.
+        ``path`` (n, 3): the robot's positions in the graph's frame so far; ``gaps``: where the
+        LiDAR saw openings in walls. A gap alone is no door (walls have shadows), but a door that
+        the camera saw too seldom to be sure of is one where there is a gap.
         """
         views = room_views(graph, self.config)
-        seen = [relate(o, views, self.config) for o in self._placed(views)]
+        found, free = self._placed(views)
+        doors = gap_doors(gaps, views, self.config)
+        backed = [w for w in found.weak if backs(doors, relate(w, views, self.config), graph,
+                                                  self.config)]  # fmt: skip
+        flat = [relate(o, views, self.config) for o in (*found.given, *backed)]
+        # Where no wall was seen there is no opening in it.
+        seen = [o for o in flat if o.planes] + [relate(o, views, self.config) for o in free]
         passages = doorways(path, graph, self.config)
         objects = reconciled(seen, passages, graph, self.config)
-        hanging = [relate(g, views, self.config) for g in gaps]
-        objects = reconciled(objects, [g for g in hanging if g.rooms], graph, self.config)
-        return graph.replace(objects=objects)
+        return graph.replace(objects=supported(objects, doors, graph, self.config))
 
-    def _placed(self, views: tuple[RoomView, ...]) -> list[Object]:
-        """The objects; doors and windows are placed in their walls, whatever their confidence.
+    def _placed(self, views: tuple[RoomView, ...]) -> tuple[Openings, list[Object]]:
+        """Doors and windows in their walls, whatever their confidence; and all other objects.
 
-        One that lies in no wall of the room that holds it is none; where no room is known yet it
-        stays as it was seen.
+        A door or window that lies in no wall of the room that holds it is none; where no room is
+        known yet it stays as it was seen.
         """
         flat = [t for t in self.map.tracks if t.category in TWO_SIDED]
-        found, homeless = openings([self._seen(t) for t in flat], views, self.config)
-        lost = {t.number: room_of(t.center[None], views, 0.0)[0] for t in flat
-                if t.number in set(homeless)}  # fmt: skip
+        found = openings([self._seen(t) for t in flat], views, self.config)
+        lost = set(found.homeless)
+        unknown = {
+            t.number
+            for t in flat
+            if t.number in lost and room_of(t.center[None], views, 0.0)[0] is None
+        }
         free = [
             node
             for track, node in self.map.nodes()
-            if track.category not in TWO_SIDED
-            or (track.number in lost and lost[track.number] is None)
+            if track.category not in TWO_SIDED or track.number in unknown
         ]
-        return [*found, *free]
+        return found, free
 
     def _seen(self, track: Track) -> Seen:
         return Seen(

@@ -158,8 +158,8 @@ class RoomConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
         float, meta("Rooms are looked for this far around the robot", "m", TESTS, gt=0)
     ] = 15.0
     door_width: Annotated[
-        float, meta("A gap in a wall up to this is a doorway", "m", "double doors", gt=0)
-    ] = 1.8
+        float, meta("A gap in a wall up to this is an opening", "m", "double doors", gt=0)
+    ] = 2.4
     end_door_width: Annotated[
         float, meta("... a gap between a wall's end and the next wall", "m", "single doors", gt=0)
     ] = 1.3

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -32,12 +34,20 @@ def deskew(points: Array, times: ArrayLike, motion: Array, period: float) -> Arr
     if len(points) == 0 or period <= 0.0:
         return points
     start = min(float(t.min()), -1e-6)
-    group = np.clip((t / start * GROUPS).astype(int), 0, GROUPS - 1)
     share = (np.arange(GROUPS) + 0.5) / GROUPS * start / period  # 0 at the end, negative before
     turn = Rotation.from_matrix(motion[:3, :3]).as_rotvec()
     rotation = Rotation.from_rotvec(share[:, None] * turn).as_matrix()
-    out = np.empty_like(points)
-    for k in np.unique(group):
-        mine = group == k
-        out[mine] = points[mine] @ rotation[k].T + share[k] * motion[:3, 3]
-    return out
+    # Sensors list points in time order; then each group is one slice.
+    order = None if bool((t[1:] >= t[:-1]).all()) else np.argsort(t, kind="stable")
+    sorted_points, sorted_times = (points, t) if order is None else (points[order], t[order])
+    edges = np.searchsorted(sorted_times, np.arange(GROUPS, -1, -1) / GROUPS * start)
+    edges[0], edges[-1] = 0, len(t)
+    out = np.empty_like(sorted_points)
+    for k, (a, b) in enumerate(pairwise(edges.tolist())):
+        group = GROUPS - 1 - k
+        out[a:b] = sorted_points[a:b] @ rotation[group].T + share[group] * motion[:3, 3]
+    if order is None:
+        return out
+    unsorted = np.empty_like(out)
+    unsorted[order] = out
+    return unsorted

@@ -18,6 +18,8 @@ from situgraph.slam.gaps import Gap
 from situgraph.slam.planemap import Interval, MapPlane, united
 from situgraph.slam.raster import Mask, Raster
 
+STEPS = np.array([1.0, 2.0, 3.0])  # cells before a wall where its room's free space is looked for
+
 
 class Side(NamedTuple):
     """A side of a room: its line (3,) n, d with n into the room; plane number, None where open.
@@ -65,10 +67,10 @@ def footprint(
 ) -> Footprint | None:
     """The outline of a region, None where no wall bounds it."""
     free = raster.centres(region)
-    support = {p.number: _support(p, region, raster, config) for p in planes}
-    kept = _chosen(
-        [p for p in planes if support[p.number] >= config.least_support], support, config
-    )
+    low, high = free.min(axis=0) - config.open_slack, free.max(axis=0) + config.open_slack
+    near = [p for p in planes if (p.low <= high).all() and (p.high >= low).all()]
+    support = {p.number: _support(p, region, raster, config) for p in near}
+    kept = _chosen([p for p in near if support[p.number] >= config.least_support], support, config)
     if not kept:
         return None
     lines = [np.array([*p.normal, p.offset]) for p in kept]
@@ -90,10 +92,9 @@ def _support(plane: MapPlane, region: Mask, raster: Raster, config: RoomConfig) 
         if len(along) == 0:
             continue
         wall = -plane.offset * plane.normal + along[:, None] * plane.tangent
-        before = [
-            raster.look(region, wall + k * raster.cell * plane.normal) for k in (1.0, 2.0, 3.0)
-        ]
-        total += raster.cell * int(np.count_nonzero(np.any(before, axis=0)))
+        before = (wall + (STEPS * raster.cell)[:, None, None] * plane.normal).reshape(-1, 2)
+        free = raster.look(region, before).reshape(len(STEPS), -1)
+        total += raster.cell * int(np.count_nonzero(free.any(axis=0)))
     return total
 
 

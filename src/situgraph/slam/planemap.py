@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
@@ -33,22 +34,21 @@ class MapPlane:
     top: float = 0.0
     visible: float = 0.0
 
-    @property
-    def normal(self) -> Array:
-        """Unit normal (2,) in the plan."""
-        n: Array = self.plane[:2] / np.hypot(self.plane[0], self.plane[1])
-        return n
+    def __post_init__(self) -> None:
+        """Work out the plan line."""
+        self.set_plane(self.plane)
 
-    @property
-    def offset(self) -> float:
-        """Offset (m) of the plan line."""
-        return float(self.plane[3] / np.hypot(self.plane[0], self.plane[1]))
+    def set_plane(self, plane: Array) -> None:
+        """Take over new coefficients (4,) and the line in the plan that follows from them.
 
-    @property
-    def tangent(self) -> Array:
-        """Unit direction (2,) along the wall."""
-        n = self.normal
-        return np.array([-n[1], n[0]])
+        ``normal`` (2,) is its unit normal, ``offset`` (m) its offset, ``tangent`` (2,) the unit
+        direction along the wall.
+        """
+        size = math.hypot(plane[0], plane[1])
+        self.plane = plane
+        self.normal: Array = plane[:2] / size
+        self.offset = float(plane[3] / size)
+        self.tangent: Array = np.array([-self.normal[1], self.normal[0]])
 
     @property
     def length(self) -> float:
@@ -68,6 +68,18 @@ class MapPlane:
     def ends(self) -> Array:
         """First and last point (2, 2) seen."""
         return np.array([self.point(self.intervals[0][0]), self.point(self.intervals[-1][1])])
+
+    @property
+    def low(self) -> Array:
+        """The least coordinates (2,) of what was seen."""
+        out: Array = self.ends().min(axis=0)
+        return out
+
+    @property
+    def high(self) -> Array:
+        """The greatest coordinates (2,) of what was seen."""
+        out: Array = self.ends().max(axis=0)
+        return out
 
     def distance_along(self, low: float, high: float) -> float:
         """Gap (m) between [low, high] along the wall and the nearest stretch, 0 where they meet."""
@@ -125,7 +137,7 @@ class PlaneMap:
     def place(self, number: int, coefficients: Array, pose_of: Callable[[int], Array]) -> None:
         """Take over a new estimate (4,); stretches follow their keyframes."""
         plane = self.planes[number]
-        plane.plane = coefficients
+        plane.set_plane(coefficients)
         spans = [self._span(plane, ends, pose_of(k)) for k, ends in plane.parts]
         plane.intervals = united(spans, self._gap)
 

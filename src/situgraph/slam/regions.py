@@ -55,7 +55,12 @@ def look(
     areas = np.bincount(labels.ravel(), minlength=count + 1) * config.cell**2
     edge = set(np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])))
     kept = [k for k in range(1, count + 1) if areas[k] >= config.least_area]
-    regions = [ndimage.binary_fill_holes(labels == k) for k in kept]
+    boxes = ndimage.find_objects(labels)
+    regions = []
+    for k in kept:
+        region = np.zeros_like(solid)
+        region[boxes[k - 1]] = ndimage.binary_fill_holes(labels[boxes[k - 1]] == k)
+        regions.append(region)
     return Plan(raster, walls, openings, regions, [k in edge for k in kept])
 
 
