@@ -10,7 +10,7 @@ from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap
 from situgraph.objects.reconcile import reconciled
 from situgraph.objects.stage import ObjectStage, View
-from situgraph.scenegraph.graph import Object
+from situgraph.scenegraph.graph import Object, SceneGraph
 
 ONCE = ObjectsConfig(min_seen=1)
 CAMERA = Camera(386.0, 386.0, 319.5, 239.5)
@@ -129,3 +129,13 @@ def test_a_leaf_at_rest_on_a_wall_across_belongs_to_the_passage_beside_it() -> N
     assert np.allclose(door.center[:2], (4.1, 0.6))
     far = Object("o4", "door", (2.0, 0.0, 1.0), rooms=("a",), planes=("a2",), confidence=0.7)
     assert len(reconciled([far], [passage], graph, ONCE)) == 2
+
+
+def test_where_no_room_is_known_only_what_stands_upright_is_a_door() -> None:
+    stage = ObjectStage(Painted(), ONCE)
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    empty = SceneGraph(kind="online")
+    assert len(stage.annotated(empty, np.zeros((0, 3))).objects) == 1
+    (track,) = stage.map.tracks
+    track.shape = np.diag([0.5, 0.5, 0.05]) ** 2
+    assert stage.annotated(empty, np.zeros((0, 3))).objects == ()

@@ -240,6 +240,12 @@ def _plausible(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsCon
     )
 
 
+def stands(shape: Array, config: ObjectsConfig) -> bool:
+    """Whether an ellipsoid (3, 3) is as high and wide as what is seen of a door or window is."""
+    high, wide = np.sqrt(shape[2, 2]), np.sqrt(np.linalg.eigvalsh(shape[:2, :2])[-1])
+    return bool(2.0 * high >= config.opening_width and 2.0 * wide >= config.opening_width)
+
+
 def _seen_enough(stretch: Stretch, config: ObjectsConfig) -> bool:
     return stretch.seen >= config.min_seen and stretch.confidence >= config.min_confidence
 

@@ -15,7 +15,7 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap, backs, gap_doors, supported
-from situgraph.objects.openings import Openings, Seen, openings
+from situgraph.objects.openings import Openings, Seen, openings, stands
 from situgraph.objects.reconcile import reconciled
 from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
 from situgraph.scenegraph.graph import Object, SceneGraph
@@ -101,7 +101,9 @@ class ObjectStage:
         unknown = {
             t.number
             for t in flat
-            if t.number in lost and room_of(t.center[None], views, 0.0)[0] is None
+            if t.number in lost
+            and stands(t.shape, self.config)
+            and room_of(t.center[None], views, 0.0)[0] is None
         }
         free = [
             node

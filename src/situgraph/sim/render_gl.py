@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import weakref
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -113,8 +116,9 @@ class GlRenderer:
         weakref.finalize(self, self._gl.release)
         self._gl.gc_mode = "auto"
         self._origin = world.origin
-        self._program: Any = self._gl.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
-        self._load(world)
+        with self._alone():
+            self._program: Any = self._gl.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
+            self._load(world)
         self._target: tuple[tuple[int, int], Any] | None = None
 
     @property
@@ -124,6 +128,26 @@ class GlRenderer:
 
     def view(self, pose: Array, intrinsics: Intrinsics, width: int, height: int) -> View:
         """See ``Renderer.view``."""
+        with self._alone():
+            return self._drawn(pose, intrinsics, width, height)
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Draw in our own context, and let no other one go meanwhile.
+
+        OpenGL draws into whichever context is current; letting go of another renderer's (as the
+        garbage collector may, at any time) leaves none.
+        """
+        collecting = gc.isenabled()
+        gc.disable()
+        try:
+            with self._gl:
+                yield
+        finally:
+            if collecting:
+                gc.enable()
+
+    def _drawn(self, pose: Array, intrinsics: Intrinsics, width: int, height: int) -> View:
         frame = self._framebuffer(width, height)
         frame.use()
         frame.clear()  # all zero: part 0 is the sky
