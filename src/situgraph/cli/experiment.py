@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 # name -> what it shows; module situgraph.experiments.<name> defines `run(options)`.
 EXPERIMENTS = {
     "matching": "solutions and time over rooms, objects and symmetry (the paper's figure)",
+    "advice": "rooms until unique when the advice of an ambiguous match is followed",
     "exploration": "seconds of exploration until the match is unique (the paper's table I)",
     "detection": "precision and recall of doors and windows (the paper's table II)",
     "relations": "objects in rooms, on planes, doorways",

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from situgraph.matching.posterior import Posterior, Verdict
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.solution import Solution
 from situgraph.matching.stages import plane_candidates, room_candidates
 from situgraph.matching.tables import Ints
+
+if TYPE_CHECKING:
+    from situgraph.matching.disambiguation import Advice
+
+MOST_ADVICE = 12  # listed in the match JSON
 
 
 class Found(NamedTuple):
@@ -115,10 +120,27 @@ class MatchResult:
             f"walls moved up to {config.moved_limit:g} m"
         )
 
+    @cached_property
+    def advice(self) -> tuple[Advice, ...]:
+        """Observations that would tell the solutions apart, the most telling first."""
+        if self.verdict != "ambiguous":
+            return ()
+        from situgraph.matching.disambiguation import advise
+
+        inputs = self._inputs
+        looked = inputs.config.seen_whole if inputs.weighs_objects else 0.0
+        return advise(
+            self.solutions,
+            inputs.online,
+            inputs.index.prior,
+            looked=looked,
+            contents=inputs.semantics != "none",
+        )
+
     @property
     def disambiguation(self) -> list[dict[str, Any]]:
-        """Observations that would split the solutions, the most telling first."""
-        return []
+        """The most telling advice as the match JSON has it."""
+        return [item.to_dict() for item in self.advice[:MOST_ADVICE]]
 
     @cached_property
     def stats(self) -> dict[str, Any]:
