@@ -101,7 +101,12 @@ def command(
     if explain:
         print_stages(document["stats"])
     if pair:
+        from situgraph.matching.explanation import explain_pair
+
         print_pair(document, seen, planned, *pair)
+        told = explain_pair(result, pair[0].id, pair[1].id)
+        text = f"{pair[0].id} x {pair[1].id}, {told.stage}: {told.sentence}"
+        console().print(text, soft_wrap=True, markup=False)
 
 
 def _draw(

@@ -92,6 +92,16 @@ class MatchResult:
         return math.exp(self._found.log_mirror)
 
     @property
+    def inputs(self) -> Inputs:
+        """What was matched."""
+        return self._inputs
+
+    @property
+    def candidates(self) -> int:
+        """How many candidates there are, solutions or not."""
+        return len(self._posterior.candidate)
+
+    @property
     def figures(self) -> tuple[int, int, int]:
         """K, the online rooms that count, the prior rooms that count."""
         inputs = self._inputs
@@ -157,7 +167,7 @@ class MatchResult:
             ),
             "hypotheses": int(self._found.done[1]),
             "boxes": int(self._found.done[2]),
-            "candidates": len(self._posterior.candidate),
+            "candidates": self.candidates,
             "seconds": {"index": inputs.index.seconds, "search": search, "total": total},
             "complete": self.complete,
             "probability_mirrored": self.probability_mirrored,
