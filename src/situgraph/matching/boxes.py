@@ -95,16 +95,41 @@ def shrink(case, box):
         high = -_extreme(case, spans.high[side], -1.0)
         if low > high:
             return False
-        middle, half = (low + high) / 2, (high - low) / 2
-        if side == 0:
-            box[YAW] += middle
-            box[TURN] = min(half, box[TURN])
-        elif side == 1:
-            along, box[HU] = middle, min(half, box[HU])
-        else:
-            box[PX] += along * box[UX] - middle * box[UY]
-            box[PY] += along * box[UY] + middle * box[UX]
-            box[HV] = min(half, box[HV])
+        _cut(box, side, low, high)
+    return True
+
+
+@part
+def _cut(box, side, low, high):
+    """Keep of a box what lies between two values on one axis."""
+    middle, half = (low + high) / 2, (high - low) / 2
+    if side == 0:
+        box[YAW] += middle
+        box[TURN] = min(half, box[TURN])
+    elif side == 1:
+        box[PX] += middle * box[UX]
+        box[PY] += middle * box[UY]
+        box[HU] = min(half, box[HU])
+    else:
+        box[PX] -= middle * box[UY]
+        box[PY] += middle * box[UX]
+        box[HV] = min(half, box[HV])
+
+
+@part
+def narrow(case, box, r, a):
+    """Cut from a box that is anchored at ``r`` what ``a`` cannot explain; False if that is all."""
+    spans = case.spans
+    slack = slack_of(box, 0.0, 0.0)
+    if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
+        return False
+    for side in range(3):
+        spans.low[side, r], spans.high[side, r] = math.inf, -math.inf
+    _plane_spans(case, r, a, box[YAW], box[PX], box[PY], slack)
+    if not _hull(case, (box[TURN], box[HU], box[HV]), r):
+        return False
+    for side in range(3):
+        _cut(box, side, spans.low[side, r], spans.high[side, r])
     return True
 
 

@@ -163,6 +163,15 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
             ge=1,
         ),
     ] = 2_000_000
+    max_work: Annotated[
+        int,
+        _meta(
+            "Comparisons of planes at most before the search is called incomplete",
+            "1",
+            "docs/matching.md",
+            ge=1,
+        ),
+    ] = 3_000_000_000
 
     def least_rooms(self, rooms: int) -> int:
         """K: how many of so many online rooms a candidate must explain."""

@@ -16,6 +16,7 @@ from situgraph.matching.peaks import feasible, raised
 from situgraph.matching.records import address, allocated, record_at, scratch, slots_of
 from situgraph.matching.search import add_peak, search
 from situgraph.matching.tables import (
+    PEAKS,
     Bench,
     Case,
     Content,
@@ -39,7 +40,7 @@ from situgraph.matching.tables import (
 from situgraph.matching.views import look
 
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
-PEAKS = 1024  # to begin with
+ROOM = 1024  # for peaks, to begin with
 
 
 class Search(NamedTuple):
@@ -49,7 +50,7 @@ class Search(NamedTuple):
     shifts: IntTable  # (k, U)
     shift: Ints  # (c,) of each peak
     place: Table  # (c, 4) yaw, x, y, L
-    count: Ints  # type: ignore[assignment]  # (4,) peaks, hypotheses, boxes, incomplete
+    count: Ints  # type: ignore[assignment]  # (5,) peaks, hypotheses, boxes, incomplete, work
 
 
 class Sights(NamedTuple):
@@ -72,19 +73,19 @@ def find_peaks(
     """All peaks (k, 5) for all shifts of the storeys: row of ``shifts``, yaw, x, y, L.
 
     And how many prior rooms are like each online room; and what was done: peaks, hypotheses,
-    boxes, 1 when incomplete.
+    boxes, 1 when incomplete, comparisons of planes.
     """
-    most = PEAKS
+    most = ROOM
     while True:
         case, kept = _case(seen, plan, limits, content, shifts.shape[1], least, most)
-        values, block = allocated(Search, (0, (0, 0), most, (most, 4), 4))
+        values, block = allocated(Search, (0, (0, 0), most, (most, 4), 5))
         block = np.array(block)
         block[0] = address(case)
         block[1:4] = address(shifts), *shifts.shape
         search_all(address(block))
         _, _, shift, place, count = values
-        if count[0] <= most:
-            found = int(count[0])
+        if count[PEAKS] <= most:
+            found = int(count[PEAKS])
             peaks = np.column_stack([shift[:found], place[:found]])
             alike: Ints = kept["alike"]
             return peaks, alike, count
@@ -135,13 +136,13 @@ def _case(
     work: list[tuple[Any, Any]] = [
         (Task, (least, storeys)),
         (Finder, (prior, prior, 1)),
-        (Bench, (plane_work, plane_work, plane_work, widest, widest + 1, *[widest] * 3)),
+        (Bench, (*[plane_work] * 3, widest, widest + 1, *[widest] * 5, *[plane_work[1]] * 6)),
         (Options, (room_work, room_work, rooms, prior)),
         (Pairing, (*[columns] * 7, *[rooms] * 3)),
         (Tally, ((seen.planes, 5), seen.planes)),
         (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
         (Groups, (rooms + 2, rooms, rooms, rooms)),
-        (Found, ((peaks, 4), 4, rooms, (DEPTH, SIDES))),
+        (Found, ((peaks, 4), 5, rooms, (DEPTH, SIDES))),
         (View, view),
         (View, view),
     ]
@@ -167,17 +168,17 @@ def _search_all(wanted):
     for z in range(len(wanted.shifts)):
         for u in range(len(task.storeys)):
             task.storeys[u] = wanted.shifts[z, u]
-        found.count[0] = 0
+        found.count[PEAKS] = 0
         search(case)
         _raise_all(case)
-        for k in range(found.count[0]):
+        for k in range(found.count[PEAKS]):
             if kept < len(wanted.shift) and k < len(found.peak):
                 wanted.shift[kept] = z
                 for c in range(4):
                     wanted.place[kept, c] = found.peak[k, c]
             kept += 1
-    wanted.count[0] = kept
-    for k in range(1, 4):
+    wanted.count[PEAKS] = kept
+    for k in range(1, 5):
         wanted.count[k] = found.count[k]
 
 
@@ -185,7 +186,7 @@ def _search_all(wanted):
 def _raise_all(case):
     """Add the higher peaks beside those found."""
     found, at = case.found, scratch(3)
-    for k in range(min(found.count[0], len(found.peak))):
+    for k in range(min(found.count[PEAKS], len(found.peak))):
         for axis in range(3):
             at[axis] = found.peak[k, axis]
         feasible(case, case.one, at)

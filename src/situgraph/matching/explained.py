@@ -12,12 +12,15 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from situgraph.matching.assignment import assign_planes
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import plane_allowed
-from situgraph.matching.tables import FIT, MISSING, MOVED
+from situgraph.matching.tables import CUT, FIT, MISSING, MOVED, WORK
 
 SLACK = 1e-9  # equality at a limit
 MOST_STEPS = 20_000  # of the search for the best assignment of one room's planes
+FORCE = 1e6  # by which a plane is kept from what does not fit
+MOST_TOGETHER = 8  # planes of a room that are assigned all at once
 
 
 class Slack(NamedTuple):
@@ -61,6 +64,7 @@ def may_explain(case, r, a, yaw, x, y, slack):
     """A quick necessary test: counterparts and fitting planes are counted, not assigned."""
     seen, plan, limits = case.seen, case.plan, case.limits
     missing = 0
+    case.found.count[WORK] += plan.first[a + 1] - plan.first[a]
     first_fit = 0.0
     fits, crossed = 0, False
     begin, end = seen.first[r], seen.first[r + 1]
@@ -150,9 +154,24 @@ def explain(case, r, a, yaw, x, y, slack):
     for i in range(n):
         bench.pick[i] = 0
     if _holds(case, begin, n, strict):
-        _keep(case, n)
-        return bench.best[0]
-    return _search(case, begin, n, strict)
+        return _keep(case, n)
+    if n > MOST_TOGETHER:
+        if not (strict or _can_cross(case, begin, n)) or not assign_planes(case, n, a):
+            return -math.inf
+        # With residuals widened it only has to be possible.
+        if slack.turn > 0 or slack.hu > 0 or _holds(case, begin, n, strict):
+            return _keep(case, n)
+        return _best_held(case, begin, n, a)
+    score = _search(case, begin, n, strict)
+    if score < math.inf:
+        return score
+    if slack.turn == 0 and slack.hu == 0:
+        case.found.count[CUT] = 1
+        return -math.inf
+    # It may be explained; which counterparts are distinct was too much to find out.
+    for i in range(n):
+        bench.pick[i] = 0
+    return _keep(case, n)
 
 
 @part
@@ -225,16 +244,81 @@ def _holds(case, begin, n, strict):
 
 
 @part
-def _keep(case, n):
-    bench = case.bench
+def _best_held(case, begin, n, a):
+    """The best of the assignments in which two planes fit and cross; -inf when there is none.
+
+    For when the best of all lacks them: each such pair is made to fit in turn.
+    """
+    seen, limits, bench, best = case.seen, case.limits, case.bench, -math.inf
     for i in range(n):
+        if not _can_fit(bench, i):
+            continue
+        _force(bench, i, FORCE)
+        if assign_planes(case, n, a) and bench.fits[i, bench.pick[i]] == FIT:
+            for k in range(i):
+                turn = abs(math.sin(seen.angle[begin + i] - seen.angle[begin + k]))
+                if turn < limits.sine or not _can_fit(bench, k):
+                    continue
+                _force(bench, k, FORCE)
+                if assign_planes(case, n, a) and _holds(case, begin, n, False):
+                    score = 0.0
+                    for p in range(n):
+                        score += bench.value[p, bench.pick[p]]
+                    if score > best:
+                        best = _keep(case, n)
+                _force(bench, k, -FORCE)
+        _force(bench, i, -FORCE)
+    return best
+
+
+@part
+def _force(bench, i, by):
+    """Keep plane ``i`` from what does not fit, or no longer."""
+    for k in range(bench.count[i]):
+        if bench.fits[i, k] != FIT:
+            bench.value[i, k] -= by
+
+
+@part
+def _can_cross(case, begin, n):
+    """Whether two planes that are not parallel have counterparts that fit."""
+    seen, limits, bench = case.seen, case.limits, case.bench
+    for i in range(n):
+        if not _can_fit(bench, i):
+            continue
+        for k in range(i):
+            turn = abs(math.sin(seen.angle[begin + i] - seen.angle[begin + k]))
+            if turn >= limits.sine and _can_fit(bench, k):
+                return True
+    return False
+
+
+@part
+def _can_fit(bench, i):
+    for k in range(bench.count[i]):  # noqa: SIM110
+        if bench.fits[i, k] == FIT:
+            return True
+    return False
+
+
+@part
+def _keep(case, n):
+    """Keep the picked counterparts; returns the sum of their values."""
+    bench = case.bench
+    score = 0.0
+    for i in range(n):
+        score += bench.value[i, bench.pick[i]]
         bench.kept[i] = bench.row[i, bench.pick[i]]
         bench.state[i] = bench.fits[i, bench.pick[i]]
+    return score
 
 
 @part
 def _search(case, begin, n, strict):
-    """Depth first over the counterparts, cut by the best sum that the rest can add."""
+    """Depth first over the counterparts, cut by the best sum that the rest can add.
+
+    Returns the best sum, -inf for none, inf when the steps did not do to find any.
+    """
     bench = case.bench
     best, depth, total, missing = -math.inf, 0, 0.0, 0
     for i in range(n):
@@ -261,7 +345,8 @@ def _search(case, begin, n, strict):
         elif _holds(case, begin, n, strict):
             best = total
             _keep(case, n)
-    return best
+    case.found.count[WORK] += MOST_STEPS
+    return best if best > -math.inf else math.inf
 
 
 @part

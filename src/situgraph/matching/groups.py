@@ -18,7 +18,7 @@ def form_groups(case, count):
 
     Returns how many; there are fewer when fewer rooms can be anchors.
     """
-    seen, rarity, groups = case.seen, case.found.alike, case.groups
+    seen, groups = case.seen, case.groups
     rooms = len(seen.storey)
     group, anchors, first, member = groups.group, groups.anchor, groups.first, groups.member
     for r in range(rooms):
@@ -27,7 +27,11 @@ def form_groups(case, count):
     while made < count:
         best = -1
         for r in range(rooms):
-            if not seen.flat[r] and group[r] < 0 and (best < 0 or rarity[r] < rarity[best]):
+            if (
+                not seen.flat[r]
+                and group[r] < 0
+                and (best < 0 or _effort(case, r) < _effort(case, best))
+            ):
                 best = r
         if best < 0:
             break
@@ -60,6 +64,15 @@ def form_groups(case, count):
                 member[k] = r
                 at += 1
     return made
+
+
+@part
+def _effort(case, r):
+    """About how many hypotheses room ``r`` makes as an anchor."""
+    seen = case.seen
+    planes = seen.first[r + 1] - seen.first[r]
+    alike = case.found.alike[r] if planes > 2 else len(case.plan.storey)
+    return alike * planes * planes
 
 
 @part

@@ -6,17 +6,35 @@ from __future__ import annotations
 
 import math
 
-from situgraph.matching.boxes import AX, AY, HU, HV, PX, PY, SIDES, TURN, UX, UY, YAW, slack_of
+from situgraph.matching.boxes import (
+    AX,
+    AY,
+    HU,
+    HV,
+    PX,
+    PY,
+    SIDES,
+    TURN,
+    UX,
+    UY,
+    YAW,
+    narrow,
+    slack_of,
+)
 from situgraph.matching.compiled import part
 from situgraph.matching.explained import SLACK, explain, may_explain, no_slack, wrapped
 from situgraph.matching.records import scratch
+from situgraph.matching.tables import WORK
 
+MOST_CROSSED = 8  # pairs of planes of a room that are all tried
 SHAPE_BOXES = 4000  # searched at most for one placement of one room in isolation
 
 
 @part
-def pair_box(case, i, k, j, m, wx, wy, box):
-    """The box in which plane ``i`` fits ``j`` and ``k`` fits ``m``; False when there is none.
+def pair_box(case, i, k, j, m, wx, wy, reach, box):
+    """The box in which plane ``i`` lies within ``reach`` of ``j`` and ``k`` of ``m``.
+
+    False when there is none.
 
     Plane ``k`` may belong to another room, whose centre lies at ``(wx, wy)`` from the anchor.
     """
@@ -33,7 +51,7 @@ def pair_box(case, i, k, j, m, wx, wy, box):
         return False
     c, s = math.cos(box[YAW]), math.sin(box[YAW])
     gx, gy = c * wx - s * wy, s * wx + c * wy
-    fit = limits.fit + SLACK
+    fit = reach + SLACK
     other = fit + abs(mx * gx + my * gy) * (1 - math.cos(turn))
     other += abs(my * gx - mx * gy) * math.sin(turn)
     near = seen.distance[i] - plan.row[j, 2]
@@ -46,6 +64,31 @@ def pair_box(case, i, k, j, m, wx, wy, box):
 
 
 @part
+def pairs_of(case, r):
+    """How many pairs of planes of ``r`` have to be tried, and within which reach of their own.
+
+    Two planes that cross fit, so all such pairs will do. Of a room with many planes fewer will:
+    at most one is missing, so the planes of one of its probes have counterparts, moved or not.
+    """
+    seen, limits = case.seen, case.limits
+    crossed = seen.crossed_first[r + 1] - seen.crossed_first[r]
+    if seen.strict[r] or crossed <= MOST_CROSSED:
+        return crossed, limits.fit
+    return seen.probe_first[r + 1] - seen.probe_first[r], limits.moved
+
+
+@part
+def pair_of(case, r, c):
+    """The rows of pair ``c`` of those ``pairs_of`` counts."""
+    seen = case.seen
+    if seen.strict[r] or seen.crossed_first[r + 1] - seen.crossed_first[r] <= MOST_CROSSED:
+        at = seen.crossed_first[r] + c
+        return seen.crossed[at, 0], seen.crossed[at, 1]
+    at = seen.probe_first[r] + c
+    return seen.probe[at, 0], seen.probe[at, 1]
+
+
+@part
 def fits_somewhere(case, r, a):
     """Whether ``a`` explains ``r`` in isolation, at any placement."""
     known = _rectangles(case, r, a)
@@ -53,12 +96,13 @@ def fits_somewhere(case, r, a):
         return known == 1
     seen, plan = case.seen, case.plan
     box = scratch(SIDES)
-    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
-    for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
-        i, k = seen.crossed[c, 0], seen.crossed[c, 1]
+    pairs, reach = pairs_of(case, r)
+    for c in range(pairs):
+        i, k = pair_of(case, r, c)
         for j in range(plan.first[a], plan.first[a + 1]):
             for m in range(plan.first[a], plan.first[a + 1]):
-                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, box):
+                box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
+                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
                     continue
                 slack = slack_of(box, 0.0, 0.0)
                 if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack) and _explained_in(
@@ -120,21 +164,22 @@ def _opposite(angle, spread):
 
 @part
 def _explained_in(case, r, a, start):
+    """Whether ``a`` explains ``r`` somewhere in the box; yes where it takes too long to tell."""
     limits = case.limits
     stack, box = case.found.stack, scratch(SIDES)
     copy_box(start, stack[0])
     depth = 1
     for _ in range(SHAPE_BOXES):
+        if case.found.count[WORK] > limits.max_work:
+            break
         if depth == 0:
             return False
         depth -= 1
         copy_box(stack[depth], box)
-        x, y = box[PX], box[PY]
-        if explain(case, r, a, box[YAW], x, y, no_slack()) > -math.inf:
-            return True
-        slack = slack_of(box, 0.0, 0.0)
-        if explain(case, r, a, box[YAW], x, y, slack) == -math.inf:
+        if not narrow(case, box, r, a) or not narrow(case, box, r, a):
             continue
+        if explain(case, r, a, box[YAW], box[PX], box[PY], no_slack()) > -math.inf:
+            return True
         side, widest = 0, 5 * box[TURN]
         if box[HU] > widest:
             side, widest = 1, box[HU]
@@ -144,7 +189,7 @@ def _explained_in(case, r, a, start):
             continue
         split(box, side, stack[depth], stack[depth + 1])
         depth += 2
-    return False
+    return depth > 0
 
 
 @part

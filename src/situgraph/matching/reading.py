@@ -38,6 +38,7 @@ def limits_of(config: MatchingConfig) -> Limits:
         smallest_step=config.smallest_step,
         peak_step=config.peak_step,
         max_boxes=config.max_boxes,
+        max_work=config.max_work,
     )
 
 

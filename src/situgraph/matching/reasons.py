@@ -26,6 +26,11 @@ def _none(result: MatchResult) -> str:
     candidates = result.stats["candidates"]
     if candidates == 0:
         tried = result.stats["hypotheses"]
+        if not result.complete:
+            return (
+                f"the search was cut short ({tried} placements tried) and found none that explains "
+                f"at least {least} of {rooms} rooms"
+            )
         return f"no placement explains at least {least} of {rooms} rooms ({tried} tried)"
     outside = f"{100 * result.probability_outside:.3g} %"
     if result.probability_mirrored > result.probability_outside / 2:

@@ -18,6 +18,7 @@ from situgraph.matching.boxes import (
     UX,
     UY,
     YAW,
+    narrow,
     possible,
     radius,
     shrink,
@@ -27,10 +28,11 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import give, may_explain, wrapped
 from situgraph.matching.groups import form_groups
-from situgraph.matching.hypotheses import copy_box, pair_box, split
+from situgraph.matching.hypotheses import copy_box, pair_box, pair_of, pairs_of, split
 from situgraph.matching.peaks import climb, feasible, optimum
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import represented
+from situgraph.matching.tables import BOXES, CUT, PEAKS, TRIED, WORK
 from situgraph.matching.views import (
     fixes,
     look,
@@ -46,17 +48,17 @@ NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 def add_peak(case, at, height):
     """Note a peak, unless it is known; where there is no room for it, it is only counted."""
     peaks, count = case.found.peak, case.found.count
-    for k in range(min(count[0], len(peaks))):
+    for k in range(min(count[PEAKS], len(peaks))):
         if (
             abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < 1e-4
             and abs(wrapped(peaks[k, 0] - at[0])) < 1e-4
         ):
             return
-    if count[0] < len(peaks):
+    if count[PEAKS] < len(peaks):
         for k in range(3):
-            peaks[count[0], k] = at[k]
-        peaks[count[0], 3] = height
-    count[0] += 1
+            peaks[count[PEAKS], k] = at[k]
+        peaks[count[PEAKS], 3] = height
+    count[PEAKS] += 1
 
 
 @part
@@ -75,7 +77,7 @@ def search(case):
         if storey < 0:
             continue
         for a in range(len(plan.storey)):
-            if plan.storey[a] == storey and room_allowed(case, r, a):
+            if plan.storey[a] == storey and room_allowed(case, r, a) and not _exhausted(case):
                 _hypotheses(case, g, r, a)
     if made < rooms - task.least + 1:
         _corridors(case, made)
@@ -83,22 +85,38 @@ def search(case):
 
 @part
 def _hypotheses(case, g, r, a):
-    """All placements at which two crossing planes of ``r`` fit ``a``, for group ``g``."""
+    """All placements at which a pair of crossing planes of ``r`` finds ``a``, for group ``g``."""
     seen, plan = case.seen, case.plan
     box = scratch(SIDES)
-    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
-    for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
-        i, k = seen.crossed[c, 0], seen.crossed[c, 1]
+    pairs, reach = pairs_of(case, r)
+    for c in range(pairs):
+        if _exhausted(case):
+            return
+        i, k = pair_of(case, r, c)
+        case.found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
         for j in range(plan.first[a], plan.first[a + 1]):
             for m in range(plan.first[a], plan.first[a + 1]):
-                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, box):
+                box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
+                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
                     continue
                 slack = slack_of(box, 0.0, 0.0)
                 if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
                     continue
-                case.found.count[1] += 1
+                if reach > case.limits.fit and not narrow(case, box, r, a):
+                    continue
+                case.found.count[TRIED] += 1
                 if _partners(case, box, g):
                     explore(case, box)
+
+
+@part
+def _exhausted(case):
+    """Whether the search must be cut short."""
+    count, limits = case.found.count, case.limits
+    if count[BOXES] <= limits.max_boxes and count[WORK] <= limits.max_work:
+        return False
+    count[CUT] = 1
+    return True
 
 
 @part
@@ -155,13 +173,15 @@ def _crossing(case, r, q, box):
         if plan.storey[a] != one or not room_allowed(case, r, a):
             continue
         for b in range(len(plan.storey)):
+            if _exhausted(case):
+                return
             if plan.storey[b] != two or not room_allowed(case, q, b):
                 continue
             for j in range(plan.first[a], plan.first[a + 1]):
                 for m in range(plan.first[b], plan.first[b + 1]):
-                    if not pair_box(case, i, k, j, m, wx, wy, box):
+                    if not pair_box(case, i, k, j, m, wx, wy, case.limits.fit, box):
                         continue
-                    case.found.count[1] += 1
+                    case.found.count[TRIED] += 1
                     slack = slack_of(box, 0.0, 0.0)
                     if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
                         explore(case, box)
@@ -184,11 +204,10 @@ def explore(case, start):
     while depth > 0:
         depth -= 1
         copy_box(stack[depth], box)
-        found.count[2] += 1
-        if found.count[2] > limits.max_boxes:
-            found.count[3] = 1
+        found.count[BOXES] += 1
+        if _exhausted(case):
             break
-        if found.count[0] > len(found.peak):  # to be searched again with more room
+        if found.count[PEAKS] > len(found.peak):  # to be searched again with more room
             break
         if not _squeeze(case, box, arm):
             continue
@@ -198,14 +217,14 @@ def explore(case, start):
                 continue
         if _known(case, box):
             continue
-        before = found.count[0]
+        before = found.count[PEAKS]
         state = _witness(case, box, arm, at)
         if state < 0:
             continue
         if state > 0:
             height = climb(case, at)
             add_peak(case, at, height)
-            if found.count[0] > before and _known(case, box):
+            if found.count[PEAKS] > before and _known(case, box):
                 continue
         side, widest = 0, box[TURN] * arm
         if box[HU] > widest:
@@ -215,7 +234,7 @@ def explore(case, start):
         if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
             continue
         if depth + 2 > len(stack):
-            found.count[3] = 1
+            found.count[CUT] = 1
             continue
         split(box, side, stack[depth], stack[depth + 1])
         depth += 2
@@ -261,7 +280,7 @@ def _known(case, box):
     found, middle = case.found, scratch(3)
     _centre(box, middle)
     sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
-    for k in range(min(found.count[0], len(found.peak))):
+    for k in range(min(found.count[PEAKS], len(found.peak))):
         at = found.peak[k]
         apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
         turned = abs(wrapped(at[0] - middle[0]))

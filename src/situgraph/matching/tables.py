@@ -20,6 +20,7 @@ IntTable = Annotated[Ints, 2]
 CountTable = Annotated[NDArray[np.int16], 2]
 
 FIT, MOVED, MISSING = 0, 1, 2  # states of an online plane
+PEAKS, TRIED, BOXES, CUT, WORK = range(5)  # what a search counts; CUT is 1 when it was cut short
 
 
 class Limits(NamedTuple):
@@ -42,6 +43,7 @@ class Limits(NamedTuple):
     smallest_step: float
     peak_step: float
     max_boxes: int
+    max_work: int
 
 
 class Seen(NamedTuple):
@@ -139,6 +141,14 @@ class Bench(NamedTuple):
     pick: Ints  # (n,) the choice tried
     kept: Ints  # (n,) the best choice's rows
     state: Ints  # (n,) and their states
+    rent: Floats  # (n,) prices of planes (``assignment``)
+    column: Ints  # (n,) their counterparts
+    price: Floats  # (m,) of counterparts
+    near: Floats  # (m,) length of the shortest path to one
+    way: Ints  # (m,) the plane before it
+    choice: Ints  # (m,) and which of its counterparts this is
+    owner: Ints  # (m,) the plane that has it, -1 for none
+    done: Ints  # (m,) 1 when the shortest path is known
 
 
 class Options(NamedTuple):
@@ -208,7 +218,7 @@ class Found(NamedTuple):
     """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
 
     peak: Table
-    count: Ints  # type: ignore[assignment]  # (4,) peaks, hypotheses, boxes, incomplete
+    count: Ints  # type: ignore[assignment]  # (5,) peaks, hypotheses, boxes, incomplete, work
     alike: Ints  # (N,) how many prior rooms explain each online room in isolation
     stack: Table  # (k, SIDES) boxes to be searched
 

@@ -1,0 +1,68 @@
+"""Rooms with many planes, and searches that are cut short."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from situgraph.geometry.poses import Placement
+from situgraph.matching import MatchingConfig, PlanIndex
+from situgraph.matching.matcher import match
+from situgraph.scenegraph.graph import Plane, Room, SceneGraph
+from situgraph.scenegraph.transform import transformed
+
+MOTION = Placement(3.0, -7.0, 0.0, 0.7)
+TEETH = 12
+
+
+def comb(teeth: int = TEETH) -> SceneGraph:
+    """A hall with niches of several widths along one side, and a small room beside it."""
+    xs = list(itertools.accumulate([0.8 + 0.1 * (k * 7 % 5) for k in range(2 * teeth)], initial=0))
+    end = xs[-1]
+    faces = [((0.0, 1.0), 0.0), ((1.0, 0.0), 0.0), ((-1.0, 0.0), end)]
+    for k in range(2 * teeth):
+        faces.append(((0.0, -1.0), 6.0 + 1.5 * (k % 2)))
+        if k:
+            faces.append(((1.0, 0.0) if k % 2 else (-1.0, 0.0), -xs[k] if k % 2 else xs[k]))
+    room = [((1.0, 0.0), 4.2), ((-1.0, 0.0), -0.2), ((0.0, 1.0), 0.0), ((0.0, -1.0), 3.0)]
+    planes, names = [], []
+    for group, made in (("h", faces), ("r", room)):
+        names.append(tuple(f"{group}{k}" for k in range(len(made))))
+        planes += [Plane(n, (*f, 0.0), d) for n, (f, d) in zip(names[-1], made)]
+    rooms = (Room("hall", (end / 2, 3.0, 1.3), names[0]), Room("room", (-2.2, 1.5, 1.3), names[1]))
+    return SceneGraph(rooms=rooms, planes=tuple(planes))
+
+
+def noisy(graph: SceneGraph) -> SceneGraph:
+    rng = np.random.default_rng(0)
+    return graph.replace(
+        planes=tuple(
+            Plane(p.id, p.normal, p.offset + float(rng.normal(0, 0.03))) for p in graph.planes
+        )
+    )
+
+
+@pytest.mark.parametrize("rooms", [1, 2])
+def test_a_room_of_fifty_planes_is_found(rooms: int) -> None:
+    prior = comb()
+    seen = noisy(transformed(prior.replace(rooms=prior.rooms[:rooms]), MOTION))
+    result = match(seen, PlanIndex(prior), semantics="none")
+    assert result.complete
+    best, truth = result.solutions[0], MOTION.inverse()
+    assert math.hypot(best.transform.x - truth.x, best.transform.y - truth.y) < 0.2
+    assert best.rooms["hall"] == "hall"
+    assert len(best.planes) >= len(seen.rooms[0].planes) - 2
+
+
+@pytest.mark.parametrize("limit", ["max_boxes", "max_work"])
+def test_a_search_cut_short_is_never_unique_and_says_so(limit: str) -> None:
+    prior = comb()
+    config = MatchingConfig(**{limit: 1})
+    result = match(transformed(prior, MOTION), PlanIndex(prior, config), semantics="none")
+    assert not result.complete
+    assert not result.unique
+    assert not result.certified
+    assert "cut short" in result.reason
