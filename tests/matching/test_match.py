@@ -11,6 +11,9 @@ from situgraph.errors import InputError
 from situgraph.geometry.poses import Placement
 from situgraph.matching import Matcher, PlanIndex
 from situgraph.matching.matcher import match
+from situgraph.plan.sampler import sample_online
+from situgraph.plan.sampler_config import REALISTIC
+from situgraph.plan.six_rooms import six_rooms
 from situgraph.scenegraph.graph import Plane, Room, SceneGraph
 from situgraph.scenegraph.transform import transformed
 
@@ -108,3 +111,18 @@ def test_updates_are_matches_from_scratch() -> None:
         assert (one.verdict, one.count) == (two.verdict, two.count)
         assert [s.transform for s in one.solutions] == [s.transform for s in two.solutions]
     assert matcher.update(part) is one
+
+
+@pytest.mark.parametrize("semantics", ["none", "containment", "likelihood"])
+def test_an_object_more_is_a_match_from_scratch(semantics: str) -> None:
+    plan = six_rooms()
+    online = sample_online(plan, 2, 0, REALISTIC).online
+    matcher = Matcher(plan, semantics=semantics)  # type: ignore[arg-type]
+    for k in range(len(online.objects) + 1):
+        part = online.replace(objects=online.objects[:k])
+        one = matcher.update(part)
+        two = match(part, matcher.index, semantics=semantics)  # type: ignore[arg-type]
+        mine, theirs = one.to_dict(), two.to_dict()
+        for found in (mine, theirs):
+            del found["stats"]["seconds"]
+        assert mine == theirs

@@ -82,14 +82,14 @@ def _by_objects(inputs: Inputs, one: Room, two: Room) -> Explanation | None:
 
 def _alone(inputs: Inputs, one: Room, two: Room) -> list[Placement]:
     """The placements at which the prior room explains the online room, all others aside."""
-    from situgraph.matching.candidates import find
+    from situgraph.matching.candidates import Known, find
     from situgraph.matching.index import PlanIndex
     from situgraph.matching.preparation import prepare
 
     config = msgspec.structs.replace(inputs.config, rival_ratio=0.0)
     index = PlanIndex(inputs.index.prior.replace(rooms=(two,)), config)
     pair = prepare(inputs.online.replace(rooms=(one,)), index, inputs.semantics, config)
-    place = find(pair, 1).place
+    place = find(pair, 1, Known()).place
     best = place[np.argsort(-place[:, 4], kind="stable")][:MOST_PLACES]
     found = []
     for z, yaw, x, y, _ in best.tolist():

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from situgraph.matching.candidates import Known
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.index import PlanIndex
-from situgraph.matching.matcher import Semantics, match
+from situgraph.matching.matcher import Semantics, match_knowing
 from situgraph.matching.result import MatchResult
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -12,9 +13,11 @@ from situgraph.scenegraph.graph import SceneGraph
 class Matcher:
     """Matches each state of a growing online graph with one plan.
 
-    ``update`` gives exactly what ``match`` gives for the same graph: a new room can lower what a
-    candidate has to explain of the old ones, so no earlier result may stand in for a search. What
-    is kept is the last result, and a graph that did not change is not searched again.
+    ``update`` gives exactly what ``match`` gives for the same graph. Where walls find candidates
+    and objects only weigh them (all policies but ``containment``), a graph whose rooms and planes
+    are as they were is not searched again: its peaks are known, and only its objects are weighed
+    anew. A new room can lower what a candidate has to explain of the old ones, so then the search
+    begins anew.
 
     Attributes:
         result: the last result, None before the first update.
@@ -33,6 +36,7 @@ class Matcher:
         self.config = config or self.index.config
         self.result: MatchResult | None = None
         self._online: SceneGraph | None = None
+        self._known = Known()
 
     def update(self, online: SceneGraph) -> MatchResult:
         """Match the graph as it is now.
@@ -40,18 +44,23 @@ class Matcher:
         Raises:
             InputError: a room names a plane that is not there.
         """
-        if self.result is None or not self._unchanged(online):
-            self.result = match(online, self.index, semantics=self.semantics, config=self.config)
-            self._online = online
+        same = self._same_walls(online)
+        if self.result is not None and same and self._same_objects(online):
+            return self.result
+        if not same:
+            self._known = Known()
+        self.result = match_knowing(online, self.index, self.semantics, self.config, self._known)
+        self._online = online
         return self.result
 
-    def _unchanged(self, online: SceneGraph) -> bool:
-        """Whether all that a match looks at is as it was."""
+    def _same_walls(self, online: SceneGraph) -> bool:
         before = self._online
         return before is online or (
             before is not None
             and before.rooms == online.rooms
             and before.planes == online.planes
-            and before.objects == online.objects
             and before.storeys == online.storeys
         )
+
+    def _same_objects(self, online: SceneGraph) -> bool:
+        return self._online is not None and self._online.objects == online.objects

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from situgraph.matching.candidates import find
+from situgraph.matching.candidates import Known, find
 from situgraph.matching.compiled import announce_compilation
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.entries import find_peaks
@@ -43,20 +43,34 @@ def match(
     Raises:
         InputError: a room names a plane that is not there.
     """
-    begin = time.perf_counter()
     if isinstance(index, SceneGraph):
         index = PlanIndex(index, config)
-    settings = config or index.config
+    return match_knowing(online, index, semantics, config or index.config, Known())
+
+
+def match_knowing(
+    online: SceneGraph,
+    index: PlanIndex,
+    semantics: Semantics,
+    settings: MatchingConfig,
+    known: Known,
+) -> MatchResult:
+    """``match``, with what is known of earlier ones; ``known`` grows.
+
+    It must be of a graph with the same storeys, rooms and planes, and of this plan, these settings
+    and these semantics.
+    """
+    begin = time.perf_counter()
     announce_compilation(find_peaks)
     inputs = prepare(online, index, semantics, settings)
     searched = time.perf_counter()
-    peaks = find(inputs, inputs.least)
+    peaks = find(inputs, inputs.least, known)
     outside = log_outside(peaks.alike, inputs.seen.shape, index.rooms, settings)
     filtered = semantics == "containment"
     posterior = judge(peaks.place, peaks.shift, outside, index.area, settings, filtered=filtered)
     mirror, complete = -math.inf, not peaks.done[3]
     if posterior.verdict == "unique" and not filtered:
-        mirror, whole = log_mirror(inputs, posterior)
+        mirror, whole = log_mirror(inputs, posterior, known)
         complete = complete and whole
     if mirror > -math.inf:
         elsewhere = float(np.logaddexp(outside, mirror))

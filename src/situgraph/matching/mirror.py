@@ -11,14 +11,14 @@ import math
 
 import numpy as np
 
-from situgraph.matching.candidates import find
+from situgraph.matching.candidates import Known, find
 from situgraph.matching.posterior import Posterior, log_spread
 from situgraph.matching.preparation import Inputs, prepare
 from situgraph.matching.semantics import most_evidence
 from situgraph.matching.tables import Floats
 
 
-def log_mirror(inputs: Inputs, posterior: Posterior) -> tuple[float, bool]:
+def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[float, bool]:
     """Ln W of 'the plan is mirrored', or -inf where it cannot change the verdict ``unique``.
 
     And whether the search for it was complete.
@@ -32,7 +32,7 @@ def log_mirror(inputs: Inputs, posterior: Posterior) -> tuple[float, bool]:
     if rooms > len(inputs.kept):
         return -math.inf, True
     image = prepare(inputs.online, inputs.index, inputs.semantics, config, flipped=True)
-    peaks = find(image, rooms)
+    peaks = find(image, rooms, known)
     best = float(peaks.place[:, 4].max(initial=-math.inf))
     return log_prior + best, not peaks.done[3]
 
