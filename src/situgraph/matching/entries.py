@@ -13,7 +13,16 @@ from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.hypotheses import fits_somewhere
 from situgraph.matching.peaks import feasible, raised
-from situgraph.matching.records import address, allocated, record_at, scratch, slots_of
+from situgraph.matching.records import (
+    WORD,
+    address,
+    allocated,
+    arranged,
+    layout,
+    record_at,
+    scratch,
+    slots_of,
+)
 from situgraph.matching.search import add_peak, search
 from situgraph.matching.tables import (
     PEAKS,
@@ -40,6 +49,7 @@ from situgraph.matching.tables import (
 from situgraph.matching.views import look
 
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
+FOUND = 8  # the place of ``Found`` among the records a case has to work in
 ROOM = 1024  # for peaks, to begin with
 
 
@@ -146,11 +156,15 @@ def _case(
         (View, view),
         (View, view),
     ]
-    made = [allocated(declared, shapes) for declared, shapes in work]
-    blocks = [seen.slots, plan.slots, slots_of(Limits, limits), slots_of(Content, content)]
-    blocks += [block for _, block in made]
-    kept = {"made": made, "blocks": blocks, "alike": made[8][0][2]}
-    return np.array([address(block) for block in blocks], dtype=np.int64), kept
+    room, block, begins = arranged(work)
+    tables = (seen.slots, plan.slots, slots_of(Limits, limits), slots_of(Content, content))
+    start = address(block)
+    places = [*map(address, tables), *(start + WORD * k for k in begins)]
+    at = begins[FOUND] + layout(Found)["alike"].slot
+    first = (int(block[at]) - address(room)) // WORD
+    kept = {"room": room, "block": block, "tables": tables}
+    kept["alike"] = room[first : first + rooms].view(np.int64)
+    return np.array(places, dtype=np.int64), kept
 
 
 @entry

@@ -180,6 +180,9 @@ def _explained_in(case, r, a, start):
             continue
         if explain(case, r, a, box[YAW], box[PX], box[PY], no_slack()) > -math.inf:
             return True
+        slack = slack_of(box, 0.0, 0.0)
+        if explain(case, r, a, box[YAW], box[PX], box[PY], slack) == -math.inf:
+            continue
         side, widest = 0, 5 * box[TURN]
         if box[HU] > widest:
             side, widest = 1, box[HU]

@@ -160,6 +160,39 @@ def _words(field: Field, shape: Any) -> int:
     return int(shape[0] * shape[1] if field.kind.ndim == 2 else shape)
 
 
+@cache
+def _dimensions(declared: Any) -> tuple[int, ...]:
+    """Of each field, 0 for a number."""
+    kinds = (f.kind for f in layout(declared).values())
+    return tuple(kind.ndim if isinstance(kind, Vector) else 0 for kind in kinds)
+
+
+def arranged(records: Any) -> tuple[Any, Any, list[int]]:
+    """Room for records (class, shapes as for ``allocated``) without floats, all zeros.
+
+    Returns the words of all arrays, the blocks of all records in one, and where in it each begins.
+    """
+    flat: list[int] = []
+    arrays, begins, words = [], [], 0
+    for declared, shapes in records:
+        begins.append(len(flat))
+        for ndim, shape in zip(_dimensions(declared), shapes):
+            if ndim == 0:
+                flat.append(shape)
+                continue
+            arrays.append(len(flat))
+            flat.append(WORD * words)
+            if ndim == 1:
+                flat.append(shape)
+                words += shape
+            else:
+                flat += shape
+                words += shape[0] * shape[1]
+    room, block = np.zeros(words), np.array(flat, dtype=np.int64)
+    block[arrays] += address(room)
+    return room, block, begins
+
+
 @register_model(Vector)
 class VectorModel(models.StructModel):
     """The address and the shape."""
