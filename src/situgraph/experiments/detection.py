@@ -54,7 +54,10 @@ PAPER_RATES = OracleConfig(miss=0.07, confusion=0.01, false_positive=0.03)
 
 
 def run(options: RunOptions) -> ExperimentResult:
-    """Compute it. Extra parameters: ``data`` (folder with ``ifc``), ``seeds`` of each building.
+    """Compute it.
+
+    Extra parameters: ``data`` (folder with ``ifc``), ``seeds`` of the six rooms, ``others`` of each
+    other building.
 
     Without the data the six rooms alone are driven through.
 
@@ -67,7 +70,8 @@ def run(options: RunOptions) -> ExperimentResult:
     for building, sizes in SEEDS.items():
         if building != SIX and not (data / BUILDINGS[building]).is_file():
             continue
-        seeds = int(options.extra.get("seeds", sizes[options.full]))
+        wanted = options.extra.get("seeds" if building == SIX else "others", sizes[options.full])
+        seeds = int(wanted)
         tasks += [
             {"building": building, "data": str(data), "seed": options.seed + FIRST_SEED + k}
             for k in range(seeds)
