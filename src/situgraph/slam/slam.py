@@ -29,6 +29,8 @@ from situgraph.slam.storeys import BETWEEN, Storeys
 from situgraph.slam.surroundings import Surroundings
 from situgraph.slam.trajectory import Trail, trajectory
 
+LATE = 0.03  # s; odometry may end so long before the scan it helps to undistort
+
 
 class Slam:
     """LiDAR SLAM with walls, rooms and storeys (paper section III, S-graph generation).
@@ -112,8 +114,8 @@ class Slam:
         with self._timed("odometry"):
             motion, seconds, recorded = self._expected_motion(stamp)
             scan = moved(cleaned.points, self._lidar)
-            if when is not None:
-                scan = deskew(scan, when, motion, seconds)
+            if when is not None and len(when):
+                scan = deskew(scan, when, *self._turn(stamp, when, motion, seconds))
             guess, c = self._expected_pose(stamp, motion), self.config.odometry
             reach = c.reach if recorded else c.wide_reach
             step = self._odometry.register(scan, self._lidar[:3, 3], guess, reach)
@@ -245,6 +247,17 @@ class Slam:
             return recorded, seconds, True
         motion, period = self._step
         return interpolate(np.eye(4), motion, seconds / period), seconds, False
+
+    def _turn(
+        self, stamp: float, when: Array, motion: Array, seconds: float
+    ) -> tuple[Array, float]:
+        """Motion (4x4) while the LiDAR turned and the seconds it took.
+
+        As recorded; else a share of the motion since the last scan, which may be long ago.
+        """
+        turn = -float(when.min())
+        recorded = self._track.between(stamp - turn, stamp, LATE) if turn > 0.0 else None
+        return (motion, seconds) if recorded is None else (recorded, turn)
 
     def _expected_pose(self, stamp: float, motion: Array) -> Array:
         if self._last is not None:
