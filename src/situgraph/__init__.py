@@ -29,6 +29,8 @@ _HOME = {
     "Matcher": "situgraph.matching",
     "PlanIndex": "situgraph.matching",
     "match": "situgraph.matching",
+    "Pipeline": "situgraph.pipeline",
+    "open_recording": "situgraph.io.recording",
 }
 
 __all__ = [
@@ -37,6 +39,7 @@ __all__ = [
     "MatchResult",
     "Matcher",
     "MissingExtraError",
+    "Pipeline",
     "Placement",
     "PlanIndex",
     "Sampler",
@@ -48,6 +51,7 @@ __all__ = [
     "load_settings",
     "make_layout",
     "match",
+    "open_recording",
     "read_plan",
     "save",
 ]
@@ -57,7 +61,9 @@ if TYPE_CHECKING:
     from situgraph.config import Settings, load_settings
     from situgraph.errors import ConfigError, InputError, MissingExtraError, SituGraphError
     from situgraph.geometry.poses import Placement
+    from situgraph.io.recording import open_recording
     from situgraph.matching import Matcher, MatchResult, PlanIndex, match
+    from situgraph.pipeline import Pipeline
     from situgraph.plan.layouts import make_layout
     from situgraph.plan.sampler import Sampler
     from situgraph.scenegraph.graph import SceneGraph
