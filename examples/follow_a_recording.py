@@ -2,7 +2,7 @@
 
     python examples/follow_a_recording.py [LOG PLAN]
 
-LOG is any recording (a folder of `situgraph simulate`, a ROS bag ...), PLAN any readable plan. Without
+LOG is any recording (a folder of `situgraph simulate`, a ROS bag ...), PLAN any plan. Without
 them a robot is simulated that walks from one room of the embedded building into the next.
 """
 
