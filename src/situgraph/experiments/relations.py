@@ -137,20 +137,34 @@ def _moved(item: Object, error: float, rng: np.random.Generator) -> Object:
 
 
 def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Shares of right relations for errors up to ``CLAIMED``; doorways over all drives."""
-    steps = [s for r in rows if r["part"] == "relations" for s in r["sweep"]]
-    claimed = [s for s in steps if s["error"] <= CLAIMED]
+    """Shares of right relations for errors up to ``CLAIMED``; doorways over all drives.
+
+    Without footprints (``walls_only``) a room is what its centre sees, as in the paper; rooms of
+    other shapes than a rectangle are not, and are told apart with their footprints only.
+    """
+    steps = {
+        known: [
+            s
+            for r in rows
+            if r["part"] == "relations" and r["footprints"] == known
+            for s in r["sweep"]
+            if s["error"] <= CLAIMED
+        ]
+        for known in (True, False)
+    }
+    largest = [s for s in steps[True] if s["error"] == CLAIMED]
     drives = [r for r in rows if r["part"] == "doorways"]
     errors = [e for r in drives for e in r["errors"]]
     crossed = sum(r["crossed"] for r in drives)
     found = sum(r["found"] for r in drives)
-    at_claimed = [s for s in steps if s["error"] == CLAIMED]
     return {
-        "in_room_right": _share(claimed, "in_room", "objects"),
-        "on_plane_right": _share(claimed, "on_plane", "hung"),
-        "in_room_right_at_0.2_m": _share(at_claimed, "in_room", "objects"),
-        "on_plane_right_at_0.2_m": _share(at_claimed, "on_plane", "hung"),
-        "objects": sum(s["objects"] for s in claimed),
+        "in_room_right": _share(steps[True], "in_room", "objects"),
+        "on_plane_right": _share(steps[True], "on_plane", "hung"),
+        "in_room_right_at_0.2_m": _share(largest, "in_room", "objects"),
+        "on_plane_right_at_0.2_m": _share(largest, "on_plane", "hung"),
+        "in_room_right_walls_only": _share(steps[False], "in_room", "objects"),
+        "on_plane_right_walls_only": _share(steps[False], "on_plane", "hung"),
+        "objects": sum(s["objects"] for s in steps[True]),
         "drives": len(drives),
         "doorways_crossed": crossed,
         "doorways_found": found / crossed if crossed else None,

@@ -201,6 +201,14 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "m", "source": "docs/objects.md"},
         ),
     ] = 0.35
+    door_widest: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="what is wider than this is two doors, if it can be parted",
+            extra={"unit": "m", "source": "usual double door"},
+        ),
+    ] = 2.2
     door_sill: Annotated[
         float,
         Meta(
