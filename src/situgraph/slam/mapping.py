@@ -76,11 +76,10 @@ class Mapper:
 
     def _see_floor(self, keyframe: Keyframe, pose: Array) -> None:
         view, c = keyframe.view, self._config.planes
-        if view.floor is None:
-            return
         storey = self._storeys.storeys[keyframe.storey]
-        height = float(pose[2, 3]) + view.floor.height
-        if abs(height - storey.elevation) > self._config.storeys.floor_slack:
+        height = np.inf if view.floor is None else float(pose[2, 3]) + view.floor.height
+        if view.floor is None or abs(height - storey.elevation) > self._config.storeys.floor_slack:
+            self._stand(keyframe, pose)
             return
         if storey.number not in self._grounds:
             self._grounds.add(storey.number)
@@ -90,6 +89,17 @@ class Mapper:
             ("g", storey.number),
             Sight(("x", keyframe.number), measured, (c.floor_tilt, c.floor_sigma)),
         )
+
+    def _stand(self, keyframe: Keyframe, pose: Array) -> None:
+        """Where no floor is seen, base is as high over it as usual, unless it is climbing."""
+        c, standing = self._config.storeys, self._storeys.standing
+        foot = float(pose[2, 3]) - standing
+        climbing = abs(foot - self._storeys.storeys[keyframe.storey].elevation) > c.standing_slack
+        if climbing or keyframe.storey not in self._grounds:
+            return
+        measured = np.array([*keyframe.view.up, standing])
+        sight = Sight(("x", keyframe.number), measured, (c.standing_tilt, c.standing_sigma))
+        self._graph.see(("g", keyframe.storey), sight)
 
     def _see_walls(self, keyframe: Keyframe, pose: Array, paired: Association) -> list[Seen]:
         seen: list[Seen] = []
