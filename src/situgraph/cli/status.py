@@ -39,8 +39,9 @@ def live(total: int, *, quiet: bool = False) -> Iterator[Watch]:
 
 def status_line(state: State) -> str:
     """What is known now, in one line."""
-    yaw = 2 * math.atan2(state.pose[5], state.pose[6])
-    where = f"at ({state.pose[0]:.1f}, {state.pose[1]:.1f}), {math.degrees(yaw):.0f} deg"
+    pose, frame = (state.pose, "map") if state.place is None else (state.place, "building")
+    yaw = 2 * math.atan2(pose[5], pose[6])
+    where = f"in the {frame} at ({pose[0]:.1f}, {pose[1]:.1f}), {math.degrees(yaw):.0f} deg"
     line = f"{where}: {state.rooms} rooms, {state.objects} objects"
     if state.verdict is not None:
         many = f" ({state.solutions})" if state.verdict == "ambiguous" else ""
