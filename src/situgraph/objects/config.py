@@ -201,6 +201,14 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "m", "source": "docs/objects.md"},
         ),
     ] = 0.35
+    frame_width: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="pieces of doors in one wall that fit in this width are one frame",
+            extra={"unit": "m", "source": "usual door with its frame"},
+        ),
+    ] = 1.2
     door_widest: Annotated[
         float,
         Meta(

@@ -98,7 +98,7 @@ def openings(
         if met is None:
             found.append(stretch)
         elif found[met].category == stretch.category:
-            found[met] = _united(found[met], stretch, views)
+            found[met] = _united(found[met], stretch, views, config.frame_width)
     named = [(key, s) for key, s in _named(found) if _plausible(s, views, config)]
     sure = {key for key, s in named if _seen_enough(s, config)}
     objects = [_object(key, s, views) for key, s in named]
@@ -228,17 +228,27 @@ def _same(
     if behind > (BEHIND if facing > 0 else config.wall_thickness):
         return False
     low, high = _span(second, views, _tangent(n))
+    if first.category == second.category == "door":
+        # Jambs and lintel of one frame, seen at different times: two doors are wider together.
+        return max(first.high, high) - min(first.low, low) <= config.frame_width or (
+            min(first.high, high) > max(first.low, low)
+        )
     shared = min(first.high, high) - max(first.low, low)
     narrow = max(min(first.high - first.low, high - low), config.voxel)
     level = min(first.top, second.top) - max(first.bottom, second.bottom)
     return shared > config.opening_overlap * narrow and level > -config.cluster_gap
 
 
-def _united(first: Stretch, second: Stretch, views: tuple[RoomView, ...]) -> Stretch:
+def _united(
+    first: Stretch, second: Stretch, views: tuple[RoomView, ...], frame_width: float
+) -> Stretch:
     """Both as one: the stronger one's wall; its bounds give way by the other's share."""
     low, high = _span(second, views, _tangent(views[first.view].normals[first.face]))
     share = second.weight / (first.weight + second.weight)
-    # A weak sighting often shows a part, so it may widen the opening but never narrow it.
+    if first.category == "door" and max(first.high, high) - min(first.low, low) <= frame_width:
+        share = 1.0
+    # A weak sighting often shows a part, so it may widen the opening but never narrow it; what
+    # still fits a door's frame is part of that frame.
     return replace(
         first,
         low=first.low + share * min(low - first.low, 0.0),
