@@ -39,7 +39,7 @@ from situgraph.scenegraph.transform import transformed
 from situgraph.sim.simulation import Simulation
 from situgraph.sim.truth import Truth
 
-REVISION = 5
+REVISION = 6
 DATA = "../shared/data"
 SIX = "six rooms"
 BUILDINGS = {"FZK-Haus": "ifc/AC20-FZK-Haus.ifc", "LargeBuilding": "ifc/bimwhale_LargeBuilding.ifc"}

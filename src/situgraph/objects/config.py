@@ -109,6 +109,14 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "1", "source": "docs/objects.md"},
         ),
     ] = 0.02
+    min_seen_roomless: Annotated[
+        int,
+        Meta(
+            ge=1,
+            description="the same for a door or window where no room is known",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 5
     merge_reach: Annotated[
         float,
         Meta(

@@ -103,6 +103,7 @@ class ObjectStage:
             t.number
             for t in flat
             if t.number in lost
+            and t.seen >= self.config.min_seen_roomless
             and stands(t.shape, self.config)
             and room_of(t.center[None], views, 0.0)[0] is None
         }
