@@ -229,6 +229,7 @@ class StoreyConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     standing: Annotated[
         float, meta("Base over the floor, before it was seen", "m", "Spot", gt=0)
     ] = 0.5
+    standing_least: Annotated[int, meta("... and which it needs at least", "1", TESTS, ge=1)] = 3
     standing_keyframes: Annotated[
         int, meta("Keyframes that tell base's height over the floor", "1", TESTS, ge=1)
     ] = 10
