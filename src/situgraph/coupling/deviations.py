@@ -91,6 +91,8 @@ def _moved_walls(
 ) -> Iterable[Deviation]:
     best: dict[str, tuple[float, WallEstimate]] = {}
     for wall in walls:  # of several online planes on one face the one that covers most of it
+        if not seen.rooms_by_plane.get(wall.online):
+            continue  # a pane, a recess, a cupboard: what bounds no room is no wall of one
         common = _common(seen.plane_by_id[wall.online], prior.plane_by_id[wall.prior])
         if wall.prior not in best or common > best[wall.prior][0]:
             best[wall.prior] = (common, wall)

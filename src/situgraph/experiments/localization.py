@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from situgraph.geometry.poses import Array, Placement
     from situgraph.sim.truth import Truth
 
-REVISION = 2
+REVISION = 3
 DATA = "../shared/data"
 # Each building, and how many of its walls are moved: where a few rooms are visited, in full.
 BUILDINGS = {
