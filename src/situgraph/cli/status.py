@@ -22,12 +22,15 @@ def live(total: int, *, quiet: bool = False) -> Iterator[Watch]:
         yield lambda messages, state: None
         return
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.table import Column
 
     from situgraph.cli.console import console
 
     columns = (BarColumn(bar_width=20), TaskProgressColumn(), TimeElapsedColumn())
-    said = TextColumn("{task.description}", markup=False)
-    with Progress(*columns, said, console=console(), transient=True) as bar:
+    # On a narrow terminal the words give way, not the figures before them.
+    last = Column(ratio=1, no_wrap=True, overflow="ellipsis")
+    said = TextColumn("{task.description}", markup=False, table_column=last)
+    with Progress(*columns, said, console=console(), transient=True, expand=True) as bar:
         task = bar.add_task("starting", total=total or None)
 
         def watch(messages: int, state: State) -> None:
