@@ -45,8 +45,8 @@ def status_line(state: State) -> str:
     pose, frame = (state.pose, "map") if state.place is None else (state.place, "building")
     yaw = 2 * math.atan2(pose[5], pose[6])
     where = f"in the {frame} at ({pose[0]:.1f}, {pose[1]:.1f}), {math.degrees(yaw):.0f} deg"
-    line = f"{where}: {state.rooms} rooms, {state.objects} objects"
+    line = f"{state.rooms} rooms, {state.objects} objects"
     if state.verdict is not None:
         many = f" ({state.solutions})" if state.verdict == "ambiguous" else ""
         line += f", {state.verdict}{many}"
-    return line + (f"; {state.advice}" if state.advice else "")
+    return f"{line}; {state.advice}; {where}" if state.advice else f"{line}; {where}"
