@@ -29,6 +29,7 @@ from situgraph.slam.storeys import BETWEEN, Storeys
 from situgraph.slam.surroundings import Surroundings
 from situgraph.slam.trajectory import Trail, trajectory
 
+PATIENCE = 20  # scans in a row; so many that come too early are no disorder
 LATE = 0.03  # s; odometry may end so long before the scan it helps to undistort
 
 
@@ -72,6 +73,7 @@ class Slam:
         self.changes = 0  # how often a room was found, lost, or given other walls
         self._notices = Notices()
         self._pace = Pace()
+        self._refused = 0  # scans in a row whose stamps were too early
         self.seconds = {"odometry": 0.0, "planes": 0.0, "graph": 0.0, "rooms": 0.0}
 
     def feed_odometry(self, stamp: float, pose: ArrayLike) -> None:
@@ -198,7 +200,15 @@ class Slam:
             self._notices.add(
                 "scan-out-of-order", f"the scan at {stamp:.3f} s is not later than the last one"
             )
+            self._refused += 1
+            if self._refused == PATIENCE:
+                self._notices.add(
+                    "clock-set-back",
+                    f"stamps went back from {self._last[0]:.3f} s to {stamp:.3f} s and stayed "
+                    "there; scans are left out until they are later again: cut the log there",
+                )
             return None
+        self._refused = 0
         if np.ndim(points) != 2 or np.shape(points)[1] != 3:
             self._notices.add(
                 "scan-odd", f"the scan at {stamp:.3f} s is {np.shape(points)}, not (n, 3)"
