@@ -114,6 +114,23 @@ def test_both_faces_of_a_wall_are_one_witness() -> None:
     ]
 
 
+def test_faces_in_one_line_are_one_wall() -> None:
+    graph = seen(PRIOR)
+    south = ["p0", "p12", "p16"]  # of rooms 1, 4 and 5
+    (wall,) = grouped(walls(graph, PRIOR, [(p, p) for p in south], MAP))
+    assert sorted(face.prior for face in wall) == south
+
+
+def test_few_moved_walls_do_not_win_by_being_near() -> None:
+    """The match starts where the moved wall of room 1 fits; three others say otherwise."""
+    online = seen(PRIOR, {"p1": 0.3, "p15": -0.3}, noise=0.003)
+    rough = MAP.compose(Placement(*MAP.inverse().vectors([-0.25, 0.1, 0.0]).tolist(), 0.01))
+    found = locate(online, PRIOR, all_pairs(online, rough), config=CONFIG)
+    assert off(found.placement)[0] < 0.01
+    told = {d.prior for d in found.deviations if d.kind == "moved-wall"}
+    assert told == {"p1", "p15"}
+
+
 def test_a_map_that_drifts_is_bent_straight() -> None:
     """Keyframes in a row with biased odometry; each sees the walls of its room."""
     factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()

@@ -21,7 +21,8 @@ import numpy as np
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.evidence import Evidence
 from situgraph.coupling.problem import Problem, anchor_of
-from situgraph.coupling.walls import Wall
+from situgraph.coupling.start import settled
+from situgraph.coupling.walls import Wall, grouped
 from situgraph.geometry.poses import Array, Placement
 
 STEP = 1e-6  # m or rad, of differences
@@ -105,6 +106,11 @@ def couple(
     start = time.perf_counter()
     known = [w for w in walls if w.online in evidence.planes]
     anchor = anchor_of(known)
+    seen = {
+        w.online: evidence.values.atOrientedPlane3(evidence.planes[w.online]).planeCoefficients()
+        for w in known
+    }
+    placement = settled(grouped(known), seen, placement)
     problem = Problem(gtsam, evidence, known, placement, anchor, config)
     parameters = gtsam.LevenbergMarquardtParams()
     parameters.setMaxIterations(config.max_iterations)

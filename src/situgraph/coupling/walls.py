@@ -14,6 +14,8 @@ from situgraph.scenegraph.graph import Plane, SceneGraph
 
 SQUARE = 0.98  # cosine between the normals of the two faces of a wall, sign reversed
 THICKEST = 0.6  # m, from face to face
+SURFACE = 0.03  # m; faces planned within this are in one surface
+BESIDE = 1.0  # m between two faces of a wall, along it
 OVERLAP = 0.2  # m, that the faces of a wall have in common
 STOREY = 1.5  # m; faces farther apart in height are on two storeys
 
@@ -56,7 +58,7 @@ def walls(
 
 
 def grouped(walls: Sequence[Wall]) -> list[list[Wall]]:
-    """The faces of each wall: seen as one plane, planned as one face, or back to back."""
+    """The faces of each wall: seen as one plane, planned as one, back to back, or in one line."""
     import networkx as nx
 
     graph: Any = nx.Graph()
@@ -65,7 +67,7 @@ def grouped(walls: Sequence[Wall]) -> list[list[Wall]]:
         for j in range(i):
             other = walls[j]
             same = one.online == other.online or one.prior == other.prior
-            if same or _back_to_back(one, other):
+            if same or _back_to_back(one, other) or _in_line(one, other):
                 graph.add_edge(i, j)
     return [[walls[i] for i in sorted(part)] for part in nx.connected_components(graph)]
 
@@ -79,6 +81,17 @@ def _back_to_back(one: Wall, other: Wall) -> bool:
     a, b = np.sort(one.ends @ along), np.sort(other.ends @ along)
     common = float(min(a[1], b[1]) - max(a[0], b[0]))
     return bool(behind.min() > 0.0 and behind.max() < THICKEST and common > OVERLAP)
+
+
+def _in_line(one: Wall, other: Wall) -> bool:
+    """Whether two faces were planned in one surface, near each other."""
+    n, m = one.plane, other.plane
+    if float(n[:3] @ m[:3]) < SQUARE or abs(one.frame[2, 3] - other.frame[2, 3]) > STOREY:
+        return False
+    along = np.array([-n[1], n[0]])
+    a, b = np.sort(one.ends @ along), np.sort(other.ends @ along)
+    gap = float(max(a[0], b[0]) - min(a[1], b[1]))
+    return bool(np.abs(other.ends @ n[:2] + n[3]).max() < SURFACE and gap < BESIDE)
 
 
 def stretch(
