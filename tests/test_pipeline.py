@@ -121,6 +121,27 @@ def test_messages_can_be_fed_one_by_one(log: Path) -> None:
     assert pipeline.finish().keyframes == 3
 
 
+def test_a_run_stopped_by_hand_keeps_what_it_found(log: Path) -> None:
+    def stop(count: int, state: object) -> None:
+        if count == 300:
+            raise KeyboardInterrupt
+
+    run, pipeline = run_log(open_recording(log), Settings(), watch=stop)
+    assert run.warnings[0].code == "interrupted"
+    assert 0 < run.scans < 60
+    assert run.keyframes == len(pipeline.graph.keyframes) > 0
+
+
+def test_a_log_without_scans_is_refused(log: Path, tmp_path: Path) -> None:
+    blind = tmp_path / "blind"
+    shutil.copytree(log, blind, ignore=shutil.ignore_patterns("truth"))
+    (blind / "scans.csv").write_text("")
+    result = CliRunner().invoke(main, ["run", str(blind), "-o", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert "no usable LiDAR scan" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.external
 def test_scans_of_another_system_are_placed_right(shared_data: Path, tmp_path: Path) -> None:
     se1 = shared_data / "sgraphs" / "SE1"
