@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from situgraph.scenegraph.graph import SceneGraph
     from situgraph.sim.truth import Truth
 
-REVISION = 1
+REVISION = 2
 DATA = "../shared/data"
 RUNS = (10, 100)
 KINDS: tuple[Kind, ...] = typing.get_args(Kind)
@@ -37,7 +37,7 @@ VISITED = 4  # rooms the robot is sent to
 BAG = "Institute, ROS 2 bag"
 INSTITUTE, STOREY = "ifc/AC11-Institute-Var-2-IFC.ifc", "Erdgeschoss"
 SEES = ("network", "none")
-RIGHT = 0.3  # m at the mean room centre (DESIGN section 1, 'candidate')
+SAME_HEIGHT = 0.8  # m (DESIGN section 1, 'candidate')
 
 
 def run(options: RunOptions) -> ExperimentResult:
@@ -138,14 +138,17 @@ def _run(recording: Recording, settings: Any, plan: SceneGraph, detector: Any) -
 
 def _outcome(system: Pipeline, truth: Truth) -> tuple[str, float | None]:
     """What became of it, and how far (m) the adopted placement is off at the rooms seen."""
+    from situgraph.judging import RIGHT_ANGLE, RIGHT_DISTANCE, apart
+
     pairs = None if system.locator is None else system.locator.pairs
     if pairs is None:
         several = system.result is not None and system.result.verdict == "ambiguous"
         return ("ambiguous" if several else "never"), None
     middle = np.mean([r.center for r in system.graph.rooms], axis=0)
-    away = pairs.placement.points(middle) - truth.building_T_map.points(middle)
-    error = float(np.linalg.norm(away))
-    return ("right" if error <= RIGHT else "wrong"), error
+    error, turn = apart(pairs.placement, truth.building_T_map, middle)
+    storey = abs(pairs.placement.z - truth.building_T_map.z) <= SAME_HEIGHT
+    right = error <= RIGHT_DISTANCE and turn <= RIGHT_ANGLE and storey
+    return ("right" if right else "wrong"), error
 
 
 def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
