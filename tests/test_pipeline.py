@@ -24,7 +24,7 @@ from situgraph.scenegraph.graph import SceneGraph
 from situgraph.sim.record import record
 from situgraph.sim.simulation import Simulation
 
-QUICK = ("sim.robot.look_turn=0", "sim.camera.fallback_width=64", "sim.camera.rate=1")
+QUICK = ("sim.robot.look_turn=2", "sim.camera.fallback_width=64", "sim.camera.rate=1")
 
 
 def plan() -> SceneGraph:
