@@ -32,7 +32,7 @@ MB = 1024.0 * 1024.0
 
 
 def run(options: RunOptions) -> ExperimentResult:
-    """Compute it; with a folder also draw the cost of a scan over the drives.
+    """Compute it; with a folder also draw the cost of a scan over the long drive.
 
     Extra parameters: ``data``, the folder with ``ifc``; ``buildings``, names with semicolons
     between; ``seeds``; ``camera`` (true or false for all drives; by default with ``--full``
@@ -183,13 +183,13 @@ def peak_mb() -> float:
 
 
 def draw(result: ExperimentResult, folder: Path) -> None:
-    """Work for a scan over the minutes of the drives, a line for each building."""
+    """Work for a scan over the minutes of the long drive."""
     from situgraph.view.experiments import draw_lines
 
     rows = [
         {"building": r["building"], "minute": k + 0.5, "ms": cost / 600.0 * 1e3}
         for r in result.rows
-        if ", " not in r["building"]
+        if r["building"] == LONG
         for k, cost in enumerate(r["cost_by_minute"][:-1])
     ]
     if rows:
