@@ -230,6 +230,10 @@ class StoreyConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
         float, meta("Base over the floor, before it was seen", "m", "Spot", gt=0)
     ] = 0.5
     standing_least: Annotated[int, meta("... and which it needs at least", "1", TESTS, ge=1)] = 3
+    standing_share: Annotated[
+        float,
+        meta("... and the share of them that must agree", "1", "SE1/R8, Institute", ge=0, le=1),
+    ] = 0.3
     standing_keyframes: Annotated[
         int, meta("Keyframes that tell base's height over the floor", "1", TESTS, ge=1)
     ] = 10

@@ -42,13 +42,16 @@ class Storeys:
     def standing(self) -> float:
         """Usual height (m) of base over the floor: the largest one that keyframes agree on.
 
-        What is taken for the floor where the floor is out of view (tables, sills) lies above it.
+        What is taken for the floor where the floor is out of view (tables, sills) lies above it;
+        now and then the ground outside is seen through a window, below it.
         """
         if not self.settled:
             return self._config.standing
         seen = np.array(self._standing)
         agree = (np.abs(seen[:, None] - seen) < self._config.level_range / 2).sum(axis=1)
-        most = float(seen[agree >= max(2.0, 0.2 * len(seen))].max(initial=0.0))
+        most = float(
+            seen[agree >= max(2.0, self._config.standing_share * len(seen))].max(initial=0.0)
+        )
         near = seen[np.abs(seen - most) < self._config.level_range / 2]
         return float(np.median(near)) if len(near) else float(np.median(seen))
 
