@@ -24,7 +24,7 @@ from situgraph.scenegraph.graph import SceneGraph
 from situgraph.sim.record import record
 from situgraph.sim.simulation import Simulation
 
-QUICK = ("sim.robot.look_turn=0", "sim.camera.fallback_width=64", "sim.camera.rate=1")
+QUICK = ("sim.robot.look_turn=2", "sim.camera.fallback_width=64", "sim.camera.rate=1")
 
 
 def plan() -> SceneGraph:
@@ -119,6 +119,27 @@ def test_messages_can_be_fed_one_by_one(log: Path) -> None:
     assert state.verdict is None
     assert np.linalg.norm(state.pose[3:]) == pytest.approx(1.0)
     assert pipeline.finish().keyframes == 3
+
+
+def test_a_run_stopped_by_hand_keeps_what_it_found(log: Path) -> None:
+    def stop(count: int, state: object) -> None:
+        if count == 300:
+            raise KeyboardInterrupt
+
+    run, pipeline = run_log(open_recording(log), Settings(), watch=stop)
+    assert run.warnings[0].code == "interrupted"
+    assert 0 < run.scans < 60
+    assert run.keyframes == len(pipeline.graph.keyframes) > 0
+
+
+def test_a_log_without_scans_is_refused(log: Path, tmp_path: Path) -> None:
+    blind = tmp_path / "blind"
+    shutil.copytree(log, blind, ignore=shutil.ignore_patterns("truth"))
+    (blind / "scans.csv").write_text("")
+    result = CliRunner().invoke(main, ["run", str(blind), "-o", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert "no usable LiDAR scan" in result.stderr
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.external

@@ -24,7 +24,7 @@ from torch import Tensor, nn
 
 CROP = (160, 208)  # rows, columns; crops see less at once and train three times faster
 IGNORE = 255
-LEAST_IOU = 0.3  # on validation frames; a category that is told worse is not offered
+LEAST_IOU = 0.5  # on validation frames; a category that is told worse is not offered
 
 
 def load(folder: Path, split: str) -> tuple[np.ndarray, np.ndarray]:

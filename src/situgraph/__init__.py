@@ -29,14 +29,21 @@ _HOME = {
     "Matcher": "situgraph.matching",
     "PlanIndex": "situgraph.matching",
     "match": "situgraph.matching",
+    "Located": "situgraph.coupling",
+    "locate": "situgraph.coupling",
+    "pairs_of": "situgraph.coupling",
+    "Pipeline": "situgraph.pipeline",
+    "open_recording": "situgraph.io.recording",
 }
 
 __all__ = [
     "ConfigError",
     "InputError",
+    "Located",
     "MatchResult",
     "Matcher",
     "MissingExtraError",
+    "Pipeline",
     "Placement",
     "PlanIndex",
     "Sampler",
@@ -46,8 +53,11 @@ __all__ = [
     "__version__",
     "load",
     "load_settings",
+    "locate",
     "make_layout",
     "match",
+    "open_recording",
+    "pairs_of",
     "read_plan",
     "save",
 ]
@@ -55,9 +65,12 @@ __all__ = [
 if TYPE_CHECKING:
     from situgraph.api import load, read_plan, save
     from situgraph.config import Settings, load_settings
+    from situgraph.coupling import Located, locate, pairs_of
     from situgraph.errors import ConfigError, InputError, MissingExtraError, SituGraphError
     from situgraph.geometry.poses import Placement
+    from situgraph.io.recording import open_recording
     from situgraph.matching import Matcher, MatchResult, PlanIndex, match
+    from situgraph.pipeline import Pipeline
     from situgraph.plan.layouts import make_layout
     from situgraph.plan.sampler import Sampler
     from situgraph.scenegraph.graph import SceneGraph

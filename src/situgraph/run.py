@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from situgraph.coupling import Deviation, Event
+from situgraph.errors import InputError
 from situgraph.judging import Judgement
 from situgraph.pipeline import Pipeline, State
 from situgraph.scenegraph.graph import Warning
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from situgraph.objects.detections import Detector
     from situgraph.scenegraph.graph import SceneGraph
 
+INTERRUPTED = "interrupted"
 Watch = Callable[[int, State], object]
 
 
@@ -64,8 +66,11 @@ def run_log(
 ) -> tuple[Run, Pipeline]:
     """Feed a whole recording to a pipeline; ``watch`` is told of each message.
 
+    An interruption (Ctrl-C) ends the recording there: what was found so far is told, with the
+    warning ``interrupted``.
+
     Raises:
-        InputError: a part of the recording cannot be used at all.
+        InputError: a part of the recording cannot be used at all, or no scan can.
     """
     info = recording.info
     pipeline = Pipeline(
@@ -74,12 +79,26 @@ def run_log(
     )  # fmt: skip
     begin = time.perf_counter()
     scans, streams = 0, ("scans", "odometry", *(("frames",) if detector else ()))
-    for count, message in enumerate(recording.messages(streams), start=1):
-        scans += feed(pipeline, message)
-        watch(count, pipeline.state)
+    notes: tuple[Warning, ...] = ()
+    try:
+        for count, message in enumerate(recording.messages(streams), start=1):
+            scans += feed(pipeline, message)
+            watch(count, pipeline.state)
+    except KeyboardInterrupt:
+        notes = (Warning(INTERRUPTED, f"stopped by hand after {scans} scans"),)
+    if not pipeline.slam.keyframes:
+        found = next((f"; {w.message}" for w in (*recording.warnings, *pipeline.warnings)), "")
+        remedy = "SLAM needs LiDAR scans; `situgraph info LOG` shows what there is"
+        raise InputError(info.name, f"holds no usable LiDAR scan{found}", remedy)
     pipeline.finish()
     total = time.perf_counter() - begin
-    return told(recording, pipeline, scans, total), pipeline
+    run = told(recording, pipeline, scans, total)
+    if notes:
+        driven = pipeline.state.stamp - info.start
+        run = msgspec.structs.replace(
+            run, duration=driven, realtime=driven / total, warnings=(*notes, *run.warnings)
+        )
+    return run, pipeline
 
 
 def feed(pipeline: Pipeline, message: Message) -> bool:

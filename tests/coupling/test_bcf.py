@@ -12,7 +12,7 @@ from defusedxml.ElementTree import fromstring
 from tests.coupling.plans import PRIOR
 
 from situgraph.coupling.bcf import Version, write_bcf
-from situgraph.coupling.deviations import Deviation
+from situgraph.coupling.deviation import Deviation
 
 GUID = "2O2Fr$t4X7Zf8NOew3FLOH"
 MOVED = Deviation(

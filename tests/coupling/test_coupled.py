@@ -14,7 +14,7 @@ from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import couple, deviation
 from situgraph.coupling.evidence import Evidence, from_scene
 from situgraph.coupling.located import locate
-from situgraph.coupling.walls import walls
+from situgraph.coupling.walls import grouped, walls
 from situgraph.geometry.poses import Placement, pose_to_matrix, wrap_angle
 
 CONFIG = CouplingConfig(plane_sigma=0.01, plane_angle_sigma=0.003)
@@ -78,20 +78,57 @@ def test_a_wall_built_askew_is_measured() -> None:
     assert wall.offset == pytest.approx(0.0, abs=0.01)
 
 
-def test_the_derivative_of_a_deviation_is_right() -> None:
+def test_a_deviation_and_its_derivative_are_right() -> None:
+    """Against planes made by hand, in a building that is turned at will."""
     rng = np.random.default_rng(3)
-    building, planned = (gtsam.Pose3.Expmap(rng.normal(0, 0.5, 6)) for _ in range(2))
-    frame = building.compose(planned).compose(gtsam.Pose3.Expmap(rng.normal(0, 0.1, 6)))
-    motion, slope = deviation(building, frame, planned.matrix())
-    here, step = gtsam.Pose3(motion), 1e-6
-    for k in range(12):
-        d = np.zeros(12)
-        d[k] = step
-        a = building.retract(d[:6]) if k < 6 else building
-        b = frame.retract(d[6:]) if k >= 6 else frame
-        changed, _ = deviation(a, b, planned.matrix())
-        numeric = here.localCoordinates(gtsam.Pose3(changed)) / step
-        assert slope[:, k] == pytest.approx(numeric, abs=1e-4)
+    building = gtsam.Pose3.Expmap(rng.normal(0, 0.5, 6))
+    planned = gtsam.Pose3.Expmap(np.array([0.0, 0.0, 0.7, 3.0, -2.0, 1.0])).matrix()
+    frame = building.matrix() @ planned
+    turn, away = 0.02, 0.15
+    n = frame[:3, :3] @ np.array([math.cos(turn), math.sin(turn), 0.0])
+    point = frame[:3, 3] + away * frame[:3, 0]
+    plane = gtsam.OrientedPlane3(np.array([*n, -n @ point]))
+    (offset, tilt), slope = deviation(building, plane, planned)
+    assert (offset, tilt) == pytest.approx((away, turn), abs=1e-9)
+    # The building moves along the normal: the face stays behind by as much.
+    along = gtsam.Pose3(planned).rotation().matrix()[:, 0]
+    assert slope[:, 3:6] @ along == pytest.approx([-1.0, 0.0], abs=1e-6)
+    # The building turns about the vertical through the face: the face turns back.
+    about = np.array([0.0, 0.0, 1.0])
+    lever = np.cross(planned[:3, 3], about)  # so that the point on the face stays
+    turned = slope[:, :3] @ about + slope[:, 3:6] @ lever
+    assert turned[1] == pytest.approx(-1.0, abs=1e-3)
+    # The face moves along its normal.
+    assert slope[0, 8] == pytest.approx(-1.0 / math.cos(turn), abs=1e-3)
+
+
+def test_both_faces_of_a_wall_are_one_witness() -> None:
+    """Of three walls across x one moved; its two faces are no majority over the other two."""
+    graph = seen(PRIOR)
+    faces = {p: p for p in ("p1", "p15", "p3", "p21")}  # wall of rooms 1 and 4; west; east
+    parts = grouped(walls(graph, PRIOR, faces.items(), MAP))
+    assert sorted(sorted(f.prior for f in wall) for wall in parts) == [
+        ["p1", "p15"],
+        ["p21"],
+        ["p3"],
+    ]
+
+
+def test_faces_in_one_line_are_one_wall() -> None:
+    graph = seen(PRIOR)
+    south = ["p0", "p12", "p16"]  # of rooms 1, 4 and 5
+    (wall,) = grouped(walls(graph, PRIOR, [(p, p) for p in south], MAP))
+    assert sorted(face.prior for face in wall) == south
+
+
+def test_few_moved_walls_do_not_win_by_being_near() -> None:
+    """The match starts where the moved wall of room 1 fits; three others say otherwise."""
+    online = seen(PRIOR, {"p1": 0.3, "p15": -0.3}, noise=0.003)
+    rough = MAP.compose(Placement(*MAP.inverse().vectors([-0.25, 0.1, 0.0]).tolist(), 0.01))
+    found = locate(online, PRIOR, all_pairs(online, rough), config=CONFIG)
+    assert off(found.placement)[0] < 0.01
+    told = {d.prior for d in found.deviations if d.kind == "moved-wall"}
+    assert told == {"p1", "p15"}
 
 
 def test_a_map_that_drifts_is_bent_straight() -> None:

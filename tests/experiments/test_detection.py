@@ -71,6 +71,7 @@ def test_the_summary_is_by_detector_then_category() -> None:
     claims = {"shared": 5, "either": 10, "true": 1, "hits": [[0.9, True]]}
     own = {
         "objects": {"window": part, "door": part},
+        "camera": {"window": part, "door": part},
         "frames": {"window": claims, "door": claims},
         "ms": 10.0,
         "stage_ms": 20.0,

@@ -78,3 +78,17 @@ def test_a_door_begins_near_the_floor() -> None:
 def test_what_was_seen_once_is_weak() -> None:
     found = openings([thing(0, panel(4.0, 1.5, 2.4), seen=1)], VIEWS, CONFIG)
     assert (found.given, [o.id for o in found.weak]) == ([], ["o0"])
+
+
+def test_an_open_door_is_two_jambs_and_a_lintel() -> None:
+    parts = [panel(4.0, 1.5, 1.6), panel(4.0, 2.3, 2.4), panel(4.0, 1.6, 2.3, 2.0, 2.1)]
+    hits = np.concatenate([np.full(len(p), n) for p, n in zip(parts, (30.0, 3.0, 3.0))])
+    (door,) = given([Seen(0, "door", np.concatenate(parts), hits, 30, 30, 27.0)])
+    assert np.allclose(door.center, (4.0, 1.95, 1.05), atol=0.08)
+
+
+def test_two_doors_that_ran_together_are_parted() -> None:
+    a, b, between = (panel(0.0, *v) for v in ((0.5, 1.4), (2.6, 3.5), (1.4, 2.6)))
+    hits = np.concatenate([np.full(len(a) + len(b), 20.0), np.full(len(between), 2.0)])
+    found = given([Seen(0, "door", np.concatenate([a, b, between]), hits, 20, 20, 18.0)])
+    assert np.allclose(sorted(o.center[1] for o in found), (0.95, 3.05), atol=0.06)

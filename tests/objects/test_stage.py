@@ -12,7 +12,7 @@ from situgraph.objects.reconcile import reconciled
 from situgraph.objects.stage import ObjectStage, View
 from situgraph.scenegraph.graph import Object, SceneGraph
 
-ONCE = ObjectsConfig(min_seen=1)
+ONCE = ObjectsConfig(min_seen=1, min_seen_roomless=1)
 CAMERA = Camera(386.0, 386.0, 319.5, 239.5)
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=float)
 DOOR = ((4.0, 1.55, 0.0), (4.0, 2.45, 2.1))  # on the wall x = 4 of room a

@@ -110,6 +110,17 @@ def test_scans_of_odd_shape_are_named_and_left_out() -> None:
     assert {w.code for w in slam.warnings} == {"scan-odd", "times-odd"}
 
 
+def test_a_clock_that_was_set_back_is_named() -> None:
+    slam = Slam()
+    points = np.random.default_rng(0).uniform(1, 5, (500, 3))
+    slam.feed_scan(100.0, points)
+    for k in range(25):
+        assert slam.feed_scan(0.1 * k, points) is None
+    texts = {w.code: w.message for w in slam.warnings}
+    assert "25 times" in texts["scan-out-of-order"]
+    assert "cut the log" in texts["clock-set-back"]
+
+
 def test_relative_undoes_a_motion() -> None:
     a, b = pose(1, 2, 0.3), pose(-1, 0.5, -1.2)
     assert np.allclose(a @ relative(a, b), b)

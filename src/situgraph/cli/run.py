@@ -63,7 +63,7 @@ def command(
     from situgraph.detectors import default_detector, make_detector
     from situgraph.io.recording import open_recording
     from situgraph.judging import judged
-    from situgraph.run import run_log
+    from situgraph.run import INTERRUPTED, run_log
     from situgraph.run_folder import save_run
     from situgraph.side_by_side import FILE, save_beside, table
 
@@ -92,6 +92,8 @@ def command(
     if beside is not None:
         print_table("The other system's map and ours", *table(beside))
     console().print(f"results are in {folder}: {', '.join(files)}", markup=False, soft_wrap=True)
+    if any(w.code == INTERRUPTED for w in run.warnings):
+        raise click.Abort
 
 
 def show(run: Run) -> None:

@@ -22,12 +22,15 @@ def live(total: int, *, quiet: bool = False) -> Iterator[Watch]:
         yield lambda messages, state: None
         return
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.table import Column
 
     from situgraph.cli.console import console
 
     columns = (BarColumn(bar_width=20), TaskProgressColumn(), TimeElapsedColumn())
-    said = TextColumn("{task.description}", markup=False)
-    with Progress(*columns, said, console=console(), transient=True) as bar:
+    # On a narrow terminal the words give way, not the figures before them.
+    last = Column(ratio=1, no_wrap=True, overflow="ellipsis")
+    said = TextColumn("{task.description}", markup=False, table_column=last)
+    with Progress(*columns, said, console=console(), transient=True, expand=True) as bar:
         task = bar.add_task("starting", total=total or None)
 
         def watch(messages: int, state: State) -> None:
@@ -39,10 +42,11 @@ def live(total: int, *, quiet: bool = False) -> Iterator[Watch]:
 
 def status_line(state: State) -> str:
     """What is known now, in one line."""
-    yaw = 2 * math.atan2(state.pose[5], state.pose[6])
-    where = f"at ({state.pose[0]:.1f}, {state.pose[1]:.1f}), {math.degrees(yaw):.0f} deg"
-    line = f"{where}: {state.rooms} rooms, {state.objects} objects"
+    pose, frame = (state.pose, "map") if state.place is None else (state.place, "building")
+    yaw = 2 * math.atan2(pose[5], pose[6])
+    where = f"in the {frame} at ({pose[0]:.1f}, {pose[1]:.1f}), {math.degrees(yaw):.0f} deg"
+    line = f"{state.rooms} rooms, {state.objects} objects"
     if state.verdict is not None:
         many = f" ({state.solutions})" if state.verdict == "ambiguous" else ""
         line += f", {state.verdict}{many}"
-    return line + (f"; {state.advice}" if state.advice else "")
+    return f"{line}; {state.advice}; {where}" if state.advice else f"{line}; {where}"

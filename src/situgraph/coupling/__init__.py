@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 _HOME = {
     "Coupled": "situgraph.coupling.coupled",
     "CouplingConfig": "situgraph.coupling.config",
-    "Deviation": "situgraph.coupling.deviations",
+    "Deviation": "situgraph.coupling.deviation",
     "Event": "situgraph.coupling.state",
     "Evidence": "situgraph.coupling.evidence",
     "Located": "situgraph.coupling.located",
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from situgraph.coupling.bcf import write_bcf
     from situgraph.coupling.config import CouplingConfig
     from situgraph.coupling.coupled import Coupled, WallEstimate
-    from situgraph.coupling.deviations import Deviation
+    from situgraph.coupling.deviation import Deviation
     from situgraph.coupling.evidence import Evidence, from_scene, from_slam
     from situgraph.coupling.located import Located, Pairs, locate
     from situgraph.coupling.state import Event, Locator, pairs_of

@@ -18,7 +18,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 
-from situgraph.coupling.deviations import Deviation
+from situgraph.coupling.deviation import Deviation
 from situgraph.geometry.poses import Array
 from situgraph.scenegraph.files import write_atomic
 from situgraph.scenegraph.graph import SceneGraph

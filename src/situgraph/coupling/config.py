@@ -30,7 +30,7 @@ class CouplingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     ] = 0.003
     wall_sigma: Annotated[
         float,
-        _meta("How exactly a face lies on its deviation frame", "m and rad", _CHOICE, gt=0, le=0.1),
+        _meta("How exactly a face lies in its frame", "m and rad", _CHOICE, gt=0, le=0.1),
     ] = 0.001
     level_sigma: Annotated[
         float, _meta("Roll and pitch of the building in the map", "rad", _FACTS, gt=0, le=0.5)

@@ -1,9 +1,10 @@
 """A-Graph and S-Graph in one factor graph (paper section III, 'Graph merging', made robust).
 
-To the factors of the S-Graph come the pose of the building in the map and, for each matched face,
-the pose of a deviation frame. The face as seen lies on its deviation frame; the deviation frame
-stands where the plan puts it, under a Cauchy kernel: most walls are where they were planned, and
-one that is not tells so without dragging the others along.
+To the factors of the S-Graph come the pose of the building in the map and, for each matched wall,
+the pose of a deviation frame, which stands where the plan puts it, under a Cauchy kernel: most
+walls are where they were planned, and one that is not tells so without dragging the others along.
+Each face of a wall has a frame of its own on that of the wall, under the same kernel, and lies in
+it. Two faces that moved together are one witness, not two; one that moved alone leaves the other.
 """
 
 from __future__ import annotations
@@ -19,10 +20,12 @@ import numpy as np
 
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.evidence import Evidence
-from situgraph.coupling.walls import Wall
+from situgraph.coupling.problem import Problem, anchor_of
+from situgraph.coupling.start import settled
+from situgraph.coupling.walls import Wall, grouped
 from situgraph.geometry.poses import Array, Placement
 
-FREE = 1e3  # m or rad: no information
+STEP = 1e-6  # m or rad, of differences
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ class Coupled:
     """
 
     def __init__(
-        self, problem: _Problem, values: Any, evidence: Evidence, anchor: Array, start: float
+        self, problem: Problem, values: Any, evidence: Evidence, anchor: Array, start: float
     ) -> None:
         """Read the solution ``values``; ``start`` is when the work began."""
         self._problem = problem
@@ -102,8 +105,13 @@ def couple(
 
     start = time.perf_counter()
     known = [w for w in walls if w.online in evidence.planes]
-    anchor = _anchor(known)
-    problem = _Problem(gtsam, evidence, known, placement, anchor, config)
+    anchor = anchor_of(known)
+    seen = {
+        w.online: evidence.values.atOrientedPlane3(evidence.planes[w.online]).planeCoefficients()
+        for w in known
+    }
+    placement = settled(grouped(known), seen, placement)
+    problem = Problem(gtsam, evidence, known, placement, anchor, config)
     parameters = gtsam.LevenbergMarquardtParams()
     parameters.setMaxIterations(config.max_iterations)
     parameters.setRelativeErrorTol(1e-7)
@@ -113,113 +121,73 @@ def couple(
     return Coupled(problem, values, evidence, anchor, start)
 
 
-class _Problem:
-    """The factors of both graphs, and where the estimate starts."""
-
-    def __init__(
-        self,
-        gtsam: Any,
-        evidence: Evidence,
-        walls: Sequence[Wall],
-        placement: Placement,
-        anchor: Array,
-        config: CouplingConfig,
-    ) -> None:
-        noise = gtsam.noiseModel
-        self.gtsam = gtsam
-        self.walls = walls
-        self.told = config.told_offset
-        self.factors = gtsam.NonlinearFactorGraph(evidence.factors)
-        self.values = gtsam.Values(evidence.values)
-        self.building = gtsam.symbol("B", 0)
-        self.deviations = [gtsam.symbol("D", i) for i in range(len(walls))]
-        self.planned = [np.linalg.inv(anchor) @ w.frame for w in walls]  # seen from the anchor
-        first = np.linalg.inv(placement.matrix()) @ anchor
-        self.values.insert(self.building, gtsam.Pose3(first))
-        level = np.array(
-            [config.level_sigma, config.level_sigma, FREE, FREE, FREE, config.height_sigma]
-        )
-        self.factors.push_back(
-            gtsam.PriorFactorPose3(self.building, gtsam.Pose3(first), noise.Diagonal.Sigmas(level))
-        )
-        kernel = noise.mEstimator.Cauchy.Create(1.0)
-        built = np.array([config.built_angle] * 3 + [config.built_offset] * 3)
-        robust = noise.Robust.Create(kernel, noise.Diagonal.Sigmas(built))
-        on = noise.Isotropic.Sigma(3, config.wall_sigma)
-        face = np.array([1.0, 0.0, 0.0, 0.0])
-        for key, wall, planned in zip(self.deviations, walls, self.planned):
-            plane = evidence.planes[wall.online]
-            here = first @ planned
-            seen = self.values.atOrientedPlane3(plane).planeCoefficients()
-            away = float(seen[:3] @ here[:3, 3] + seen[3])
-            self.values.insert(key, gtsam.Pose3(here @ _shift(-away)))
-            self.factors.push_back(gtsam.OrientedPlane3Factor(face, on, key, plane))
-            self.factors.push_back(
-                gtsam.BetweenFactorPose3(self.building, key, gtsam.Pose3(planned), robust)
-            )
-
-
-def _estimates(problem: _Problem, values: Any) -> tuple[WallEstimate, ...]:
+def _estimates(problem: Problem, values: Any) -> tuple[WallEstimate, ...]:
     """Deviation of each face and its spread, from the joint marginal with the building."""
-    if not problem.walls:
+    if not problem.known:
         return ()
-    marginals = problem.gtsam.Marginals(problem.factors, values)
+    gtsam = problem.gtsam
+    marginals = gtsam.Marginals(problem.factors, values)
     building = values.atPose3(problem.building)
     found = []
-    for key, wall, planned in zip(problem.deviations, problem.walls, problem.planned):
-        motion, slope = deviation(building, values.atPose3(key), planned)
-        keys = problem.gtsam.KeyVector()
+    for wall, key in problem.known:
+        planned = np.linalg.inv(problem.anchor) @ wall.frame
+        (offset, tilt), slope = deviation(building, values.atOrientedPlane3(key), planned)
+        keys = gtsam.KeyVector()
         keys.append(problem.building)
         keys.append(key)
         joint = marginals.jointMarginalCovariance(keys)
         spread = slope @ _stacked(joint, problem.building, key) @ slope.T
         sigma = np.sqrt(np.maximum(np.diag(spread), 0.0))
         x, y, z = wall.frame[:3, 3].tolist()
-        turn = math.atan2(motion[1, 0], motion[0, 0])
         found.append(
             WallEstimate(
                 wall.online,
                 wall.prior,
-                float(motion[0, 3]),
-                float(sigma[3]),
-                turn,
-                float(sigma[2]),
+                offset,
+                float(sigma[0]),
+                tilt,
+                float(sigma[1]),
                 (x, y, z),
             )
         )
     return tuple(found)
 
 
-def deviation(building: Any, frame: Any, planned: Array) -> tuple[Array, Array]:
-    """The motion (4, 4) from the planned to the real place of a face, and its derivative.
+def deviation(building: Any, plane: Any, planned: Array) -> tuple[tuple[float, float], Array]:
+    """Offset (m) and turn in the plan (rad) of a face against its plan, and their derivative.
 
-    ``building`` and ``frame`` are gtsam poses in the map, ``planned`` (4, 4) the face's place seen
-    from ``building``. The derivative (6, 12) is by gtsam's tangents of both, rotation first. The
-    motion is ``between(building planned, frame)``: a change of ``building`` reaches it through the
-    adjoint of the frame's inverse, one of ``frame`` directly.
+    Args:
+        building: pose of the building in the map (gtsam).
+        plane: the face in the map (gtsam).
+        planned: (4, 4) frame on the planned face seen from ``building``, x along its normal.
+
+    Returns:
+        The offset at the frame's origin, positive along x; and the derivative (2, 9) by gtsam's
+        tangents of ``building`` (6) and ``plane`` (3), by central differences.
     """
-    seen = building.between(frame)
-    motion = np.linalg.inv(planned) @ seen.matrix()
-    return motion, np.hstack([-seen.inverse().AdjointMap(), np.eye(6)])
+    slope = np.empty((2, 9))
+    for k in range(9):
+        ends = []
+        for sign in (STEP, -STEP):
+            change = np.zeros(9)
+            change[k] = sign
+            moved = building.retract(change[:6]), plane.retract(change[6:])
+            ends.append(np.array(_offset_and_turn(*moved, planned)))
+        slope[:, k] = (ends[0] - ends[1]) / (2.0 * STEP)
+    return _offset_and_turn(building, plane, planned), slope
+
+
+def _offset_and_turn(building: Any, plane: Any, planned: Array) -> tuple[float, float]:
+    frame = building.matrix() @ planned
+    n = plane.planeCoefficients()
+    normal = frame[:3, :3].T @ n[:3]
+    offset = -(float(n[:3] @ frame[:3, 3]) + float(n[3])) / float(normal[0])
+    return offset, math.atan2(float(normal[1]), float(normal[0]))
 
 
 def _stacked(joint: Any, a: int, b: int) -> Array:
-    """The joint covariance (12, 12) of a and b, in this order."""
+    """The joint covariance of a and b, in this order."""
     return np.block([[joint.at(a, a), joint.at(a, b)], [joint.at(b, a), joint.at(b, b)]])
-
-
-def _anchor(walls: Sequence[Wall]) -> Array:
-    """A frame (4, 4) amid the matched faces, so that the building turns about what was seen."""
-    frame = np.eye(4)
-    if walls:
-        frame[:3, 3] = np.mean([w.frame[:3, 3] for w in walls], axis=0)
-    return frame
-
-
-def _shift(x: float) -> Array:
-    frame = np.eye(4)
-    frame[0, 3] = x
-    return frame
 
 
 def _moved(plane: Array, motion: Array) -> Array:

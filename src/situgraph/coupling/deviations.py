@@ -4,57 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
-import msgspec
 import numpy as np
 
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import WallEstimate
+from situgraph.coupling.deviation import Deviation, along_of, names_of
+from situgraph.coupling.openings import differing_openings
 from situgraph.coupling.walls import stretch
-from situgraph.geometry.poses import Array
-from situgraph.scenegraph.graph import Object, Plane, SceneGraph, Vec3
+from situgraph.scenegraph.graph import Plane, SceneGraph
 
-Kind = Literal[
-    "moved-wall", "missing-wall", "extra-wall", "moved-object", "missing-object", "extra-object"
-]
-OPENINGS = ("door", "window")  # what a wall has, and what detectors are made for
 INSIDE = 0.3  # m; a face this far inside a planned room is no wall of it
 ALIKE = math.radians(20.0)  # faces that differ less may be one that was built askew
 HALF = 0.5  # a face is missing when at least this share of it is open
-
-
-class Deviation(msgspec.Struct, frozen=True, omit_defaults=True):
-    """One difference between the building and its plan, in the building frame.
-
-    Attributes:
-        kind: what differs.
-        category: ``wall``, or the object's.
-        place: where (m).
-        online: id of what was seen; None for what was not.
-        prior: id of what was planned; None for what was not.
-        rooms: the planned rooms concerned.
-        offset: how far it lies from its planned place (m); of a wall positive along the planned
-            normal into the room, of an object along its wall.
-        sigma: standard deviation of ``offset`` (m).
-        tilt: how far a wall is turned in the plan (rad).
-        tilt_sigma: its standard deviation (rad).
-        element: GlobalId of the planned element, where the plan names it.
-        message: all of this in a sentence.
-    """
-
-    kind: Kind
-    category: str
-    place: Vec3
-    message: str
-    online: str | None = None
-    prior: str | None = None
-    rooms: tuple[str, ...] = ()
-    offset: float | None = None
-    sigma: float | None = None
-    tilt: float | None = None
-    tilt_sigma: float | None = None
-    element: str | None = None
 
 
 def find_deviations(
@@ -82,7 +45,7 @@ def find_deviations(
         *_moved_walls(seen, prior, walls, config),
         *_missing_walls(seen, prior, walls, rooms, config),
         *_extra_walls(seen, prior, walls, rooms, config),
-        *_openings(seen, prior, walls, rooms, objects, able, config),
+        *differing_openings(seen, prior, walls, rooms, objects, able, config),
     )
 
 
@@ -91,6 +54,8 @@ def _moved_walls(
 ) -> Iterable[Deviation]:
     best: dict[str, tuple[float, WallEstimate]] = {}
     for wall in walls:  # of several online planes on one face the one that covers most of it
+        if not seen.rooms_by_plane.get(wall.online):
+            continue  # a pane, a recess, a cupboard: what bounds no room is no wall of one
         common = _common(seen.plane_by_id[wall.online], prior.plane_by_id[wall.prior])
         if wall.prior not in best or common > best[wall.prior][0]:
             best[wall.prior] = (common, wall)
@@ -104,7 +69,7 @@ def _moved_walls(
             "moved-wall",
             "wall",
             wall.place,
-            f"the wall stands {100 * abs(wall.offset):.0f} cm {where} {_names(prior, of)} "
+            f"the wall stands {100 * abs(wall.offset):.0f} cm {where} {names_of(prior, of)} "
             f"(± {100 * wall.offset_sigma:.1f} cm)",
             wall.online,
             name,
@@ -119,7 +84,7 @@ def _moved_walls(
 
 def _common(plane: Plane, face: Plane) -> float:
     """Metres that a plane and a planned face have in common."""
-    along = _along(face)
+    along = along_of(face)
     a, b = stretch(plane, along), stretch(face, along)
     return math.inf if a is None or b is None else min(a[1], b[1]) - max(a[0], b[0])
 
@@ -160,7 +125,7 @@ def _missing_walls(
                 "missing-wall",
                 "wall",
                 (float(middle[0]), float(middle[1]), height),
-                f"a wall of {length:.1f} m in {_names(prior, (planned,))} is not there",
+                f"a wall of {length:.1f} m in {names_of(prior, (planned,))} is not there",
                 prior=name,
                 rooms=(planned,),
                 element=_element(face),
@@ -202,7 +167,7 @@ def _extra_walls(
                 "extra-wall",
                 "wall",
                 (x, y, room.center[2]),
-                f"a wall of {length:.1f} m in {_names(prior, (room.id,))} was not planned",
+                f"a wall of {length:.1f} m in {names_of(prior, (room.id,))} was not planned",
                 online=plane.id,
                 rooms=(room.id,),
             )
@@ -220,142 +185,7 @@ def _near_planned(plane: Plane, prior: SceneGraph, faces: Sequence[str], distanc
     return False
 
 
-def _openings(
-    seen: SceneGraph,
-    prior: SceneGraph,
-    walls: Sequence[WallEstimate],
-    rooms: Mapping[str, str],
-    objects: Mapping[str, str],
-    looked_for: Collection[str],
-    config: CouplingConfig,
-) -> Iterable[Deviation]:
-    """Doors and windows on faces that were seen: moved along them, missing, extra."""
-    able = set(looked_for) & set(OPENINGS)
-    faces: dict[str, list[str]] = {}
-    for wall in walls:
-        faces.setdefault(wall.prior, []).append(wall.online)
-    told: set[str] = set()
-    pairs = _paired(seen, prior, walls, objects, config)
-    for item in prior.objects:
-        hosts = [p for p in item.planes if p in faces]
-        if item.category not in able or not hosts:
-            continue
-        partner = next((o for o, p in pairs.items() if p == item.id), None)
-        along = _along(prior.plane_by_id[hosts[0]])
-        if partner is not None:
-            told.add(partner)
-            shift = float(along @ _flat(seen.object_by_id[partner], item))
-            if abs(shift) > config.moved_object:
-                what = f"stands {abs(shift):.2f} m from its planned place"
-                yield _about("moved-object", item, prior, what, online=partner, offset=shift)
-        elif _looked_at(item, hosts, faces, seen, prior) and set(item.rooms) <= set(rooms.values()):
-            yield _about("missing-object", item, prior, "was planned and not found")
-    planned = {w.online for w in walls}
-    for item in seen.objects:
-        host = next((p for p in item.planes if p in planned), None)
-        sightings = item.attributes.get("sightings", config.least_sightings)
-        seldom = isinstance(sightings, int) and sightings < config.least_sightings
-        if item.category not in able or host is None or item.id in pairs or seldom:
-            continue
-        of = tuple(dict.fromkeys(rooms[r] for r in item.rooms if r in rooms))
-        yield Deviation(
-            "extra-object",
-            item.category,
-            item.center,
-            f"a {item.category} in {_names(prior, of)} was not planned",
-            online=item.id,
-            prior=None,
-            rooms=of,
-        )
-
-
-def _paired(
-    seen: SceneGraph,
-    prior: SceneGraph,
-    walls: Sequence[WallEstimate],
-    objects: Mapping[str, str],
-    config: CouplingConfig,
-) -> dict[str, str]:
-    """Openings seen and planned that are one: as matched, else the nearest on the same face."""
-    pairs = {o: p for o, p in objects.items() if o in seen.object_by_id and p in prior.object_by_id}
-    faces_of: dict[str, set[str]] = {}
-    for wall in walls:
-        faces_of.setdefault(wall.online, set()).add(wall.prior)
-    taken = set(pairs.values())
-    options = []
-    for item in seen.objects:
-        if item.id in pairs:
-            continue
-        for face in sorted(set().union(*(faces_of.get(p, set()) for p in item.planes))):
-            for other in prior.objects_by_plane.get(face, ()):
-                if other.category == item.category and other.id not in taken:
-                    away = float(np.linalg.norm(_flat(item, other)))
-                    if away <= config.same_object:
-                        options.append((away, item.id, other.id))
-    for _, one, two in sorted(options):
-        if one not in pairs and two not in taken:
-            pairs[one] = two
-            taken.add(two)
-    return pairs
-
-
-def _looked_at(
-    item: Object,
-    hosts: Sequence[str],
-    faces: Mapping[str, list[str]],
-    seen: SceneGraph,
-    prior: SceneGraph,
-) -> bool:
-    """Whether the stretch of wall around an opening was seen."""
-    for host in hosts:
-        along = _along(prior.plane_by_id[host])
-        at = float(along @ np.asarray(item.center[:2]))
-        for name in faces[host]:
-            span = stretch(seen.plane_by_id[name], along)
-            if span is not None and span[0] < at < span[1]:
-                return True
-    return False
-
-
-def _about(
-    kind: Kind,
-    item: Object,
-    prior: SceneGraph,
-    what: str,
-    online: str | None = None,
-    offset: float | None = None,
-) -> Deviation:
-    guid = item.attributes.get("guid")
-    return Deviation(
-        kind,
-        item.category,
-        item.center,
-        f"the {item.category} of {_names(prior, item.rooms)} {what}",
-        online=online,
-        prior=item.id,
-        rooms=item.rooms,
-        offset=offset,
-        element=guid if isinstance(guid, str) else None,
-    )
-
-
-def _along(face: Plane) -> Array:
-    n = np.asarray(face.normal[:2], dtype=float)
-    along: Array = np.array([-n[1], n[0]], dtype=float)
-    along /= np.hypot(n[0], n[1])
-    return along
-
-
-def _flat(one: Object, two: Object) -> Array:
-    return np.subtract(one.center[:2], two.center[:2], dtype=float)
-
-
 def _element(face: Plane) -> str | None:
     """The GlobalId at the end of a face's source, ``IfcWall 2O2Fr...``."""
     last = (face.source or "").split(" ")[-1]
     return last if len(last) == 22 else None
-
-
-def _names(graph: SceneGraph, rooms: Sequence[str]) -> str:
-    names = [str(graph.room_by_id[r].name or r) for r in rooms if r in graph.room_by_id]
-    return " and ".join(names) if names else "the building"

@@ -14,7 +14,8 @@ import numpy as np
 from situgraph.coupling.association import associate_planes, associate_rooms
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import Coupled, couple
-from situgraph.coupling.deviations import Deviation, find_deviations
+from situgraph.coupling.deviation import Deviation
+from situgraph.coupling.deviations import find_deviations
 from situgraph.coupling.evidence import Evidence, from_scene
 from situgraph.coupling.trajectory import Carrier
 from situgraph.coupling.walls import walls

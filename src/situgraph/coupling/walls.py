@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from situgraph.coupling.evidence import place_of
 from situgraph.geometry.poses import Array, Placement
 from situgraph.scenegraph.graph import Plane, SceneGraph
+
+SQUARE = 0.98  # cosine between the normals of the two faces of a wall, sign reversed
+THICKEST = 0.6  # m, from face to face
+SURFACE = 0.03  # m; faces planned within this are in one surface
+BESIDE = 1.0  # m between two faces of a wall, along it
+OVERLAP = 0.2  # m, that the faces of a wall have in common
+STOREY = 1.5  # m; faces farther apart in height are on two storeys
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,12 +26,20 @@ class Wall:
 
     ``frame`` (4, 4) stands in the building on the planned face where it was seen: x along its
     normal into the room, z up. The deviation of the face as built is a motion in this frame: its
-    shift along x and its turn about z can be seen in the face, the rest cannot.
+    shift along x and its turn about z can be seen in the face, the rest cannot. ``ends`` (2, 2)
+    are those of the planned face in the plan.
     """
 
     online: str
     prior: str
     frame: Array
+    ends: Array
+
+    @property
+    def plane(self) -> Array:
+        """The planned face (4,) n, d in the building."""
+        n = self.frame[:3, 0]
+        return np.array([*n, -n @ self.frame[:3, 3]])
 
 
 def walls(
@@ -35,10 +51,47 @@ def walls(
         seen, face = online.plane_by_id.get(name), prior.plane_by_id.get(planned)
         if seen is not None and face is not None:
             height = float(placement.points(place_of(online, seen))[2])
-            found.append(
-                Wall(name, planned, _frame(face, _middle(seen, face, prior, placement, height)))
-            )
+            place = _middle(seen, face, prior, placement, height)
+            ends = np.asarray(face.extent or (place[:2], place[:2]), dtype=float)
+            found.append(Wall(name, planned, _frame(face, place), ends))
     return tuple(found)
+
+
+def grouped(walls: Sequence[Wall]) -> list[list[Wall]]:
+    """The faces of each wall: seen as one plane, planned as one, back to back, or in one line."""
+    import networkx as nx
+
+    graph: Any = nx.Graph()
+    graph.add_nodes_from(range(len(walls)))
+    for i, one in enumerate(walls):
+        for j in range(i):
+            other = walls[j]
+            same = one.online == other.online or one.prior == other.prior
+            if same or _back_to_back(one, other) or _in_line(one, other):
+                graph.add_edge(i, j)
+    return [[walls[i] for i in sorted(part)] for part in nx.connected_components(graph)]
+
+
+def _back_to_back(one: Wall, other: Wall) -> bool:
+    n, m = one.plane, other.plane
+    if float(n[:3] @ m[:3]) > -SQUARE or abs(one.frame[2, 3] - other.frame[2, 3]) > STOREY:
+        return False
+    behind = -(other.ends @ n[:2] + n[3])
+    along = np.array([-n[1], n[0]])
+    a, b = np.sort(one.ends @ along), np.sort(other.ends @ along)
+    common = float(min(a[1], b[1]) - max(a[0], b[0]))
+    return bool(behind.min() > 0.0 and behind.max() < THICKEST and common > OVERLAP)
+
+
+def _in_line(one: Wall, other: Wall) -> bool:
+    """Whether two faces were planned in one surface, near each other."""
+    n, m = one.plane, other.plane
+    if float(n[:3] @ m[:3]) < SQUARE or abs(one.frame[2, 3] - other.frame[2, 3]) > STOREY:
+        return False
+    along = np.array([-n[1], n[0]])
+    a, b = np.sort(one.ends @ along), np.sort(other.ends @ along)
+    gap = float(max(a[0], b[0]) - min(a[1], b[1]))
+    return bool(np.abs(other.ends @ n[:2] + n[3]).max() < SURFACE and gap < BESIDE)
 
 
 def stretch(

@@ -137,20 +137,34 @@ def _moved(item: Object, error: float, rng: np.random.Generator) -> Object:
 
 
 def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Shares of right relations for errors up to ``CLAIMED``; doorways over all drives."""
-    steps = [s for r in rows if r["part"] == "relations" for s in r["sweep"]]
-    claimed = [s for s in steps if s["error"] <= CLAIMED]
+    """Shares of right relations for errors up to ``CLAIMED``; doorways over all drives.
+
+    Without footprints (``walls_only``) a room is what its centre sees, as in the paper; rooms of
+    other shapes than a rectangle are not, and are told apart with their footprints only.
+    """
+    steps = {
+        known: [
+            s
+            for r in rows
+            if r["part"] == "relations" and r["footprints"] == known
+            for s in r["sweep"]
+            if s["error"] <= CLAIMED
+        ]
+        for known in (True, False)
+    }
+    largest = [s for s in steps[True] if s["error"] == CLAIMED]
     drives = [r for r in rows if r["part"] == "doorways"]
     errors = [e for r in drives for e in r["errors"]]
     crossed = sum(r["crossed"] for r in drives)
     found = sum(r["found"] for r in drives)
-    at_claimed = [s for s in steps if s["error"] == CLAIMED]
     return {
-        "in_room_right": _share(claimed, "in_room", "objects"),
-        "on_plane_right": _share(claimed, "on_plane", "hung"),
-        "in_room_right_at_0.2_m": _share(at_claimed, "in_room", "objects"),
-        "on_plane_right_at_0.2_m": _share(at_claimed, "on_plane", "hung"),
-        "objects": sum(s["objects"] for s in claimed),
+        "in_room_right": _share(steps[True], "in_room", "objects"),
+        "on_plane_right": _share(steps[True], "on_plane", "hung"),
+        "in_room_right_at_0.2_m": _share(largest, "in_room", "objects"),
+        "on_plane_right_at_0.2_m": _share(largest, "on_plane", "hung"),
+        "in_room_right_walls_only": _share(steps[False], "in_room", "objects"),
+        "on_plane_right_walls_only": _share(steps[False], "on_plane", "hung"),
+        "objects": sum(s["objects"] for s in steps[True]),
         "drives": len(drives),
         "doorways_crossed": crossed,
         "doorways_found": found / crossed if crossed else None,
@@ -167,33 +181,32 @@ def _share(steps: list[dict[str, Any]], part: str, whole: str) -> float | None:
 
 def draw(result: ExperimentResult, folder: Path) -> None:
     """Share of right relations over the error of the centre, and over each setting."""
+    for known, name in ((True, "relations"), (False, "relations-walls-only")):
+        steps = [
+            {**step, "in_room": step["in_room"] / step["objects"],
+             "on_plane": step["on_plane"] / step["hung"]}
+            for row in result.rows
+            if row.get("footprints") == known
+            for step in row["sweep"]
+            if step["hung"]
+        ]  # fmt: skip
+        title = "footprints known" if known else "walls only"
+        _draw(steps, "error", f"Relations, {title}", "error of the centre (m)", folder / name)
+    for setting in SWEPT:
+        rows = [r for r in result.rows if r.get("setting") == setting]
+        title = f"Relations at errors of {CLAIMED} m"
+        _draw(rows, "value", title, setting, folder / f"relations-{setting.replace('_', '-')}")
+
+
+def _draw(rows: list[dict[str, Any]], x: str, title: str, x_name: str, path: Path) -> None:
     from situgraph.view.experiments import draw_lines
 
-    rows = []
-    for row in result.rows:
-        for step in row.get("sweep", ()):
-            known = "footprint known" if row["footprints"] else "walls only"
-            for name, part, whole in (
-                ("in room", "in_room", "objects"),
-                ("on plane", "on_plane", "hung"),
-            ):
-                if step[whole]:
-                    share = 100.0 * step[part] / step[whole]
-                    series = f"{name}, {known}"
-                    rows.append({"error": step["error"], "right": share, "series": series})
-    figure = draw_lines(
-        rows, "error", "right", "series", title="Relations under errors of the centre",
-        x_name="error of the object's centre (m)", y_name="right (%)",
-    )  # fmt: skip
-    figure.savefig(folder / "relations.png", dpi=150, bbox_inches="tight")
-    choices = [
-        {"value": r["value"], "right": 100.0 * r[part], "series": f"{name}, {r['setting']}"}
-        for r in result.rows
-        if r["part"] == "threshold"
+    shares = [
+        {"x": row[x], "right": 100.0 * row[part], "series": name}
+        for row in rows
         for name, part in (("in room", "in_room"), ("on plane", "on_plane"))
     ]
     figure = draw_lines(
-        choices, "value", "right", "series", title=f"Relations at errors of {CLAIMED} m",
-        x_name="value of the setting (m; margin: share of the ray)", y_name="right (%)",
-    )  # fmt: skip
-    figure.savefig(folder / "relations-thresholds.png", dpi=150, bbox_inches="tight")
+        shares, "x", "right", "series", title=title, x_name=x_name, y_name="right (%)"
+    )
+    figure.savefig(path.with_suffix(".png"), dpi=150, bbox_inches="tight")

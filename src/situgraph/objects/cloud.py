@@ -140,7 +140,8 @@ def _on_wall(
     which it is seen: a plane that all of the window's own depth lies behind is not its wall.
     """
     around = rays[ring & good] * z[ring & good][:, None]
-    own, depth = rays[core & good], z[core & good]
+    # Far depth is too noisy to place things, but not to tell what lies behind a wall.
+    own, depth = rays[core & (z > 0.0)], z[core & (z > 0.0)]
     if len(depth) < OWN_SHARE * core.sum():  # a patch behind the glass says nothing
         own, depth = own[:0], depth[:0]
     for _ in range(WALLS):

@@ -109,6 +109,14 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "1", "source": "docs/objects.md"},
         ),
     ] = 0.02
+    min_seen_roomless: Annotated[
+        int,
+        Meta(
+            ge=1,
+            description="the same for a door or window where no room is known",
+            extra={"unit": "1", "source": "docs/objects.md"},
+        ),
+    ] = 5
     merge_reach: Annotated[
         float,
         Meta(
@@ -201,6 +209,22 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             extra={"unit": "m", "source": "docs/objects.md"},
         ),
     ] = 0.35
+    frame_width: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="pieces of doors in one wall that fit in this width are one frame",
+            extra={"unit": "m", "source": "usual door with its frame"},
+        ),
+    ] = 1.2
+    door_widest: Annotated[
+        float,
+        Meta(
+            gt=0,
+            description="what is wider than this is two doors, if it can be parted",
+            extra={"unit": "m", "source": "usual double door"},
+        ),
+    ] = 2.2
     door_sill: Annotated[
         float,
         Meta(

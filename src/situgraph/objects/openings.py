@@ -27,6 +27,7 @@ BEFORE, BEHIND = 0.15, 0.25  # m; points so near a face, on either side, are of 
 ENOUGH = 12  # points in the wall that carry a place
 SAMPLE = 400  # points of a thing that are enough to tell which wall it is in
 COLUMN = 0.1  # m; width of the columns in which sightings along a wall are counted
+DOOR_HITS = 2.0  # frames that saw a point of a door for it to bound the door
 VALLEY = 0.25  # of a well-seen column's sightings; where there are fewer, nothing is
 TRIM = (0.02, 0.98)  # share of the points that bound the opening along and up the wall
 
@@ -97,7 +98,7 @@ def openings(
         if met is None:
             found.append(stretch)
         elif found[met].category == stretch.category:
-            found[met] = _united(found[met], stretch, views)
+            found[met] = _united(found[met], stretch, views, config.frame_width)
     named = [(key, s) for key, s in _named(found) if _plausible(s, views, config)]
     sure = {key for key, s in named if _seen_enough(s, config)}
     objects = [_object(key, s, views) for key, s in named]
@@ -119,9 +120,12 @@ def _stretches(
     along = thing.points[inside] @ _tangent(normal)
     heights, hits = thing.points[inside, 2], thing.hits[inside]
     core = hits >= config.core_share * np.quantile(hits, 0.9)
+    if thing.category == "door":
+        # Of an open one there are two jambs and a lintel; one jamb may have been seen seldom.
+        core = hits >= min(DOOR_HITS, float(hits.max()))
     along, heights, hits = along[core], heights[core], hits[core]
     found = []
-    for part in _parts(along, hits, config.opening_gap):
+    for part in _parts(along, hits, thing.category, config):
         low, high = np.quantile(along[part], TRIM)
         bottom, top = np.quantile(heights[part], TRIM)
         found.append(
@@ -133,15 +137,35 @@ def _stretches(
     return found
 
 
-def _parts(along: Array, hits: Array, gap: float) -> list[NDArray[np.intp]]:
-    """Indices of the points of each part: parts are ``gap`` (m) apart, or seldom seen between.
+def _parts(
+    along: Array, hits: Array, category: str, config: ObjectsConfig
+) -> list[NDArray[np.intp]]:
+    """Indices of the points of each part.
 
     Two neighbouring windows run together in a picture now and then; what lies between them is then
-    seen in a few frames only.
+    seen in a few frames only. The middle of an open door is seen as seldom, so doors are parted
+    that way only where they would be too wide for one.
+    """
+    if category != "door":
+        return _runs(along, hits, config.opening_gap, VALLEY)
+    found = []
+    for part in _runs(along, hits, config.doorway_width, 0.0):
+        if np.ptp(along[part]) > config.door_widest:
+            inner = _runs(along[part], hits[part], config.opening_gap, VALLEY)
+            found += [part[k] for k in inner]
+        else:
+            found.append(part)
+    return found
+
+
+def _runs(along: Array, hits: Array, gap: float, valley: float) -> list[NDArray[np.intp]]:
+    """Indices of the points between gaps (m) in which columns have few sightings.
+
+    Few is under the share ``valley`` of what well-seen columns have.
     """
     column = np.floor((along - along.min()) / COLUMN).astype(int)
     weight = np.bincount(column, hits)
-    full = weight >= VALLEY * np.quantile(weight[weight > 0], 0.75)
+    full = (weight > 0) & (weight >= valley * np.quantile(weight[weight > 0], 0.75))
     runs = np.flatnonzero(full)
     breaks = np.flatnonzero(np.diff(runs) > round(gap / COLUMN)) + 1
     found = []
@@ -204,17 +228,27 @@ def _same(
     if behind > (BEHIND if facing > 0 else config.wall_thickness):
         return False
     low, high = _span(second, views, _tangent(n))
+    if first.category == second.category == "door":
+        # Jambs and lintel of one frame, seen at different times: two doors are wider together.
+        return max(first.high, high) - min(first.low, low) <= config.frame_width or (
+            min(first.high, high) > max(first.low, low)
+        )
     shared = min(first.high, high) - max(first.low, low)
     narrow = max(min(first.high - first.low, high - low), config.voxel)
     level = min(first.top, second.top) - max(first.bottom, second.bottom)
     return shared > config.opening_overlap * narrow and level > -config.cluster_gap
 
 
-def _united(first: Stretch, second: Stretch, views: tuple[RoomView, ...]) -> Stretch:
+def _united(
+    first: Stretch, second: Stretch, views: tuple[RoomView, ...], frame_width: float
+) -> Stretch:
     """Both as one: the stronger one's wall; its bounds give way by the other's share."""
     low, high = _span(second, views, _tangent(views[first.view].normals[first.face]))
     share = second.weight / (first.weight + second.weight)
-    # A weak sighting often shows a part, so it may widen the opening but never narrow it.
+    if first.category == "door" and max(first.high, high) - min(first.low, low) <= frame_width:
+        share = 1.0
+    # A weak sighting often shows a part, so it may widen the opening but never narrow it; what
+    # still fits a door's frame is part of that frame.
     return replace(
         first,
         low=first.low + share * min(low - first.low, 0.0),

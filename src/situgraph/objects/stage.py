@@ -75,17 +75,18 @@ class ObjectStage:
 
         ``path`` (n, 3): the robot's positions in the graph's frame so far; ``gaps``: where the
         LiDAR saw openings in walls. A gap alone is no door (walls have shadows), but a door that
-        the camera saw too seldom to be sure of is one where there is a gap.
+        the camera saw too seldom to be sure of is one where there is a gap or a passage.
         """
         views = room_views(graph, self.config)
         found, free = self._placed(views)
         doors = gap_doors(gaps, views, self.config)
-        backed = [w for w in found.weak if backs(doors, relate(w, views, self.config), graph,
-                                                  self.config)]  # fmt: skip
+        passages = doorways(path, graph, self.config)
+        proofs = [*doors, *passages]
+        weak = [relate(o, views, self.config) for o in found.weak]
+        backed = [o for o in weak if backs(proofs, o, graph, self.config)]
         flat = [relate(o, views, self.config) for o in (*found.given, *backed)]
         # Where no wall was seen there is no opening in it.
         seen = [o for o in flat if o.planes] + [relate(o, views, self.config) for o in free]
-        passages = doorways(path, graph, self.config)
         objects = reconciled(seen, passages, graph, self.config)
         return graph.replace(objects=supported(objects, doors, graph, self.config))
 
@@ -102,6 +103,7 @@ class ObjectStage:
             t.number
             for t in flat
             if t.number in lost
+            and t.seen >= self.config.min_seen_roomless
             and stands(t.shape, self.config)
             and room_of(t.center[None], views, 0.0)[0] is None
         }

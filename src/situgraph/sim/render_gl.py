@@ -102,7 +102,11 @@ class GlUnavailableError(Exception):
 
 
 class GlRenderer:
-    """Draws with one context of its own; keep to one thread."""
+    """Draws with one context of its own; keep to one thread.
+
+    Attributes:
+        name: OpenGL and the driver behind it.
+    """
 
     def __init__(self, world: World) -> None:
         try:
@@ -117,14 +121,10 @@ class GlRenderer:
         self._gl.gc_mode = "auto"
         self._origin = world.origin
         with self._alone():
+            self.name = f"OpenGL ({self._gl.info['GL_RENDERER']})"
             self._program: Any = self._gl.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
             self._load(world)
         self._target: tuple[tuple[int, int], Any] | None = None
-
-    @property
-    def name(self) -> str:
-        """OpenGL and the driver behind it."""
-        return f"OpenGL ({self._gl.info['GL_RENDERER']})"
 
     def view(self, pose: Array, intrinsics: Intrinsics, width: int, height: int) -> View:
         """See ``Renderer.view``."""

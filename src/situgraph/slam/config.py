@@ -229,9 +229,24 @@ class StoreyConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
     standing: Annotated[
         float, meta("Base over the floor, before it was seen", "m", "Spot", gt=0)
     ] = 0.5
+    standing_least: Annotated[int, meta("... and which it needs at least", "1", TESTS, ge=1)] = 3
+    standing_share: Annotated[
+        float,
+        meta("... and the share of them that must agree", "1", "SE1/R8, Institute", ge=0, le=1),
+    ] = 0.3
     standing_keyframes: Annotated[
         int, meta("Keyframes that tell base's height over the floor", "1", TESTS, ge=1)
     ] = 10
+    standing_sigma: Annotated[
+        float, meta("How well base keeps its height over a floor not seen", "m", "gait", gt=0)
+    ] = 0.03
+    standing_tilt: Annotated[
+        float,
+        meta("... and its direction, which gravity tells", "rad", "no information", gt=0),
+    ] = 1.0
+    standing_slack: Annotated[
+        float, meta("A robot that is farther from its usual height climbs", "m", "one step", gt=0)
+    ] = 0.15
     floor_slack: Annotated[
         float, meta("A floor seen farther from the storey's is another", "m", "one step", gt=0)
     ] = 0.15

@@ -40,7 +40,9 @@ class Mapper:
         self._planes = planes
         self._storeys = storeys
         self._structure = Structure(config.structure, graph)
-        self._grounds: set[int] = set()
+        self._grounds: dict[int, int] = {}  # the variable of each storey's ground
+        self._next_ground = 0
+        self._standing = 0.0  # base over the floor when the grounds were laid
         self._poses: dict[int, Array] = {}
         self.on_merge: Callable[[int, int], None] = lambda keep, drop: None
 
@@ -76,20 +78,48 @@ class Mapper:
 
     def _see_floor(self, keyframe: Keyframe, pose: Array) -> None:
         view, c = keyframe.view, self._config.planes
-        if view.floor is None:
+        if not self._storeys.settled:
             return
+        self._relay()
         storey = self._storeys.storeys[keyframe.storey]
-        height = float(pose[2, 3]) + view.floor.height
-        if abs(height - storey.elevation) > self._config.storeys.floor_slack:
+        height = np.inf if view.floor is None else float(pose[2, 3]) + view.floor.height
+        if view.floor is None or abs(height - storey.elevation) > self._config.storeys.floor_slack:
+            self._stand(keyframe, pose)
             return
         if storey.number not in self._grounds:
-            self._grounds.add(storey.number)
-            self._graph.add_plane(("g", storey.number), np.array([0.0, 0.0, 1.0, -height]))
+            self._grounds[storey.number], self._next_ground = (
+                self._next_ground,
+                self._next_ground + 1,
+            )
+            ground = ("g", self._grounds[storey.number])
+            self._graph.add_plane(ground, np.array([0.0, 0.0, 1.0, -height]))
         measured = np.array([*view.up, -view.floor.height])
         self._graph.see(
-            ("g", storey.number),
+            ("g", self._grounds[storey.number]),
             Sight(("x", keyframe.number), measured, (c.floor_tilt, c.floor_sigma)),
         )
+
+    def _relay(self) -> None:
+        """Start the grounds anew when what was taken for the floor proves to lie above it."""
+        sunk = self._storeys.standing - self._standing
+        if abs(sunk) < self._config.storeys.floor_slack:
+            return
+        for storey, number in self._grounds.items():
+            self._graph.forget(("g", number))
+            self._storeys.storeys[storey].elevation -= sunk
+        self._grounds.clear()
+        self._standing = self._storeys.standing
+
+    def _stand(self, keyframe: Keyframe, pose: Array) -> None:
+        """Where no floor is seen, base is as high over it as usual, unless it is climbing."""
+        c, standing = self._config.storeys, self._storeys.standing
+        foot = float(pose[2, 3]) - standing
+        climbing = abs(foot - self._storeys.storeys[keyframe.storey].elevation) > c.standing_slack
+        if climbing or keyframe.storey not in self._grounds:
+            return
+        measured = np.array([*keyframe.view.up, standing])
+        sight = Sight(("x", keyframe.number), measured, (c.standing_tilt, c.standing_sigma))
+        self._graph.see(("g", self._grounds[keyframe.storey]), sight)
 
     def _see_walls(self, keyframe: Keyframe, pose: Array, paired: Association) -> list[Seen]:
         seen: list[Seen] = []
@@ -122,7 +152,7 @@ class Mapper:
         for number, plane in zip(touched, self._graph.planes("p", touched)):
             self._planes.place(number, plane, self.pose)
         if keyframe.storey in self._grounds:
-            ground = self._graph.planes("g", [keyframe.storey])[0]
+            ground = self._graph.planes("g", [self._grounds[keyframe.storey]])[0]
             self._storeys.storeys[keyframe.storey].elevation = -float(ground[3] / ground[2])
         self._merge_doubles(keyframe.storey, touched)
         known = self._planes.on(keyframe.storey)

@@ -29,6 +29,9 @@ from situgraph.slam.storeys import BETWEEN, Storeys
 from situgraph.slam.surroundings import Surroundings
 from situgraph.slam.trajectory import Trail, trajectory
 
+PATIENCE = 20  # scans in a row; so many that come too early are no disorder
+LATE = 0.03  # s; odometry may end so long before the scan it helps to undistort
+
 
 class Slam:
     """LiDAR SLAM with walls, rooms and storeys (paper section III, S-graph generation).
@@ -70,6 +73,7 @@ class Slam:
         self.changes = 0  # how often a room was found, lost, or given other walls
         self._notices = Notices()
         self._pace = Pace()
+        self._refused = 0  # scans in a row whose stamps were too early
         self.seconds = {"odometry": 0.0, "planes": 0.0, "graph": 0.0, "rooms": 0.0}
 
     def feed_odometry(self, stamp: float, pose: ArrayLike) -> None:
@@ -112,8 +116,8 @@ class Slam:
         with self._timed("odometry"):
             motion, seconds, recorded = self._expected_motion(stamp)
             scan = moved(cleaned.points, self._lidar)
-            if when is not None:
-                scan = deskew(scan, when, motion, seconds)
+            if when is not None and len(when):
+                scan = deskew(scan, when, *self._turn(stamp, when, motion, seconds))
             guess, c = self._expected_pose(stamp, motion), self.config.odometry
             reach = c.reach if recorded else c.wide_reach
             step = self._odometry.register(scan, self._lidar[:3, 3], guess, reach)
@@ -196,7 +200,15 @@ class Slam:
             self._notices.add(
                 "scan-out-of-order", f"the scan at {stamp:.3f} s is not later than the last one"
             )
+            self._refused += 1
+            if self._refused == PATIENCE:
+                self._notices.add(
+                    "clock-set-back",
+                    f"stamps went back from {self._last[0]:.3f} s to {stamp:.3f} s and stayed "
+                    "there; scans are left out until they are later again: cut the log there",
+                )
             return None
+        self._refused = 0
         if np.ndim(points) != 2 or np.shape(points)[1] != 3:
             self._notices.add(
                 "scan-odd", f"the scan at {stamp:.3f} s is {np.shape(points)}, not (n, 3)"
@@ -245,6 +257,17 @@ class Slam:
             return recorded, seconds, True
         motion, period = self._step
         return interpolate(np.eye(4), motion, seconds / period), seconds, False
+
+    def _turn(
+        self, stamp: float, when: Array, motion: Array, seconds: float
+    ) -> tuple[Array, float]:
+        """Motion (4x4) while the LiDAR turned and the seconds it took.
+
+        As recorded; else a share of the motion since the last scan, which may be long ago.
+        """
+        turn = -float(when.min())
+        recorded = self._track.between(stamp - turn, stamp, LATE) if turn > 0.0 else None
+        return (motion, seconds) if recorded is None else (recorded, turn)
 
     def _expected_pose(self, stamp: float, motion: Array) -> Array:
         if self._last is not None:

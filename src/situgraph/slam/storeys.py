@@ -29,13 +29,31 @@ class Storeys:
         self._config = config
         self._recent: deque[float] = deque(maxlen=config.level_keyframes)
         self._standing: list[float] = []  # height of base over the floor, first keyframes
+        self._first: list[float] = []  # heights of base until that is settled
         self.current = BETWEEN
         self.storeys: list[MapStorey] = []
 
     @property
+    def settled(self) -> bool:
+        """Whether enough keyframes saw the floor to know how high base stands over it."""
+        return len(self._standing) >= self._config.standing_least
+
+    @property
     def standing(self) -> float:
-        """Usual height (m) of base over the floor."""
-        return float(np.median(self._standing)) if self._standing else self._config.standing
+        """Usual height (m) of base over the floor: the largest one that keyframes agree on.
+
+        What is taken for the floor where the floor is out of view (tables, sills) lies above it;
+        now and then the ground outside is seen through a window, below it.
+        """
+        if not self.settled:
+            return self._config.standing
+        seen = np.array(self._standing)
+        agree = (np.abs(seen[:, None] - seen) < self._config.level_range / 2).sum(axis=1)
+        most = float(
+            seen[agree >= max(2.0, self._config.standing_share * len(seen))].max(initial=0.0)
+        )
+        near = seen[np.abs(seen - most) < self._config.level_range / 2]
+        return float(np.median(near)) if len(near) else float(np.median(seen))
 
     def at(self, height: float, floor: float | None) -> int:
         """The storey of a keyframe, or BETWEEN.
@@ -48,15 +66,25 @@ class Storeys:
         if floor is not None and len(self._standing) < c.standing_keyframes:
             self._standing.append(-floor)
         foot = height - self.standing
+        if not self.settled and len(self.storeys) <= 1:
+            self._first.append(height)
         self._recent.append(foot)
         if not self.storeys:
             self.storeys.append(MapStorey(0, foot))
             self.current = 0
+        elif self._first and len(self.storeys) == 1 and self._level(height):
+            self.storeys[0].elevation = float(np.median(self._first)) - self.standing
+            if self.settled:
+                self._first.clear()
         elif self._off(foot):
             self.current = self._landed()
         if self.current != BETWEEN:
             self.storeys[self.current].keyframes += 1
         return self.current
+
+    def _level(self, height: float) -> bool:
+        """Whether the robot is as high as in the beginning, before it knew the floor."""
+        return abs(height - float(np.median(self._first))) < self._config.slack
 
     def _off(self, foot: float) -> bool:
         return (

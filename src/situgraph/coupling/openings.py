@@ -1,0 +1,139 @@
+"""Doors and windows as built against as planned."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+
+import numpy as np
+
+from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.coupled import WallEstimate
+from situgraph.coupling.deviation import Deviation, Kind, along_of, names_of
+from situgraph.coupling.walls import stretch
+from situgraph.geometry.poses import Array
+from situgraph.scenegraph.graph import Object, SceneGraph
+
+OPENINGS = ("door", "window")  # what a wall has, and what detectors are made for
+
+
+def differing_openings(
+    seen: SceneGraph,
+    prior: SceneGraph,
+    walls: Sequence[WallEstimate],
+    rooms: Mapping[str, str],
+    objects: Mapping[str, str],
+    looked_for: Collection[str],
+    config: CouplingConfig,
+) -> Iterable[Deviation]:
+    """Doors and windows on faces that were seen: moved along them, missing, extra."""
+    able = set(looked_for) & set(OPENINGS)
+    faces: dict[str, list[str]] = {}
+    for wall in walls:
+        faces.setdefault(wall.prior, []).append(wall.online)
+    told: set[str] = set()
+    pairs = _paired(seen, prior, walls, objects, config)
+    for item in prior.objects:
+        hosts = [p for p in item.planes if p in faces]
+        if item.category not in able or not hosts:
+            continue
+        partner = next((o for o, p in pairs.items() if p == item.id), None)
+        along = along_of(prior.plane_by_id[hosts[0]])
+        if partner is not None:
+            told.add(partner)
+            shift = float(along @ _flat(seen.object_by_id[partner], item))
+            if abs(shift) > config.moved_object:
+                what = f"stands {abs(shift):.2f} m from its planned place"
+                yield _about("moved-object", item, prior, what, online=partner, offset=shift)
+        elif _looked_at(item, hosts, faces, seen, prior) and set(item.rooms) <= set(rooms.values()):
+            yield _about("missing-object", item, prior, "was planned and not found")
+    planned = {w.online for w in walls}
+    for item in seen.objects:
+        host = next((p for p in item.planes if p in planned), None)
+        sightings = item.attributes.get("sightings", config.least_sightings)
+        seldom = isinstance(sightings, int) and sightings < config.least_sightings
+        if item.category not in able or host is None or item.id in pairs or seldom:
+            continue
+        of = tuple(dict.fromkeys(rooms[r] for r in item.rooms if r in rooms))
+        yield Deviation(
+            "extra-object",
+            item.category,
+            item.center,
+            f"a {item.category} in {names_of(prior, of)} was not planned",
+            online=item.id,
+            prior=None,
+            rooms=of,
+        )
+
+
+def _paired(
+    seen: SceneGraph,
+    prior: SceneGraph,
+    walls: Sequence[WallEstimate],
+    objects: Mapping[str, str],
+    config: CouplingConfig,
+) -> dict[str, str]:
+    """Openings seen and planned that are one: as matched, else the nearest on the same face."""
+    pairs = {o: p for o, p in objects.items() if o in seen.object_by_id and p in prior.object_by_id}
+    faces_of: dict[str, set[str]] = {}
+    for wall in walls:
+        faces_of.setdefault(wall.online, set()).add(wall.prior)
+    taken = set(pairs.values())
+    options = []
+    for item in seen.objects:
+        if item.id in pairs:
+            continue
+        for face in sorted(set().union(*(faces_of.get(p, set()) for p in item.planes))):
+            for other in prior.objects_by_plane.get(face, ()):
+                if other.category == item.category and other.id not in taken:
+                    away = float(np.linalg.norm(_flat(item, other)))
+                    if away <= config.same_object:
+                        options.append((away, item.id, other.id))
+    for _, one, two in sorted(options):
+        if one not in pairs and two not in taken:
+            pairs[one] = two
+            taken.add(two)
+    return pairs
+
+
+def _looked_at(
+    item: Object,
+    hosts: Sequence[str],
+    faces: Mapping[str, list[str]],
+    seen: SceneGraph,
+    prior: SceneGraph,
+) -> bool:
+    """Whether the stretch of wall around an opening was seen."""
+    for host in hosts:
+        along = along_of(prior.plane_by_id[host])
+        at = float(along @ np.asarray(item.center[:2]))
+        for name in faces[host]:
+            span = stretch(seen.plane_by_id[name], along)
+            if span is not None and span[0] < at < span[1]:
+                return True
+    return False
+
+
+def _about(
+    kind: Kind,
+    item: Object,
+    prior: SceneGraph,
+    what: str,
+    online: str | None = None,
+    offset: float | None = None,
+) -> Deviation:
+    guid = item.attributes.get("guid")
+    return Deviation(
+        kind,
+        item.category,
+        item.center,
+        f"the {item.category} of {names_of(prior, item.rooms)} {what}",
+        online=online,
+        prior=item.id,
+        rooms=item.rooms,
+        offset=offset,
+        element=guid if isinstance(guid, str) else None,
+    )
+
+
+def _flat(one: Object, two: Object) -> Array:
+    return np.subtract(one.center[:2], two.center[:2], dtype=float)

@@ -1,0 +1,51 @@
+"""The paper's table I from sampled views: its form, and what walls alone can tell."""
+
+from __future__ import annotations
+
+import pytest
+
+from situgraph.experiments.exploration import only_rooms, run, summarise
+from situgraph.experiments.results import ExperimentResult
+from situgraph.experiments.runner import RunOptions
+from situgraph.plan.six_rooms import six_rooms
+
+
+@pytest.fixture(scope="module")
+def result() -> ExperimentResult:
+    return run(RunOptions(extra={"source": "sampler", "seeds": 2}))
+
+
+def test_walls_alone_tell_only_where_the_layout_breaks_its_symmetry(
+    result: ExperimentResult,
+) -> None:
+    summary = result.summary
+    assert set(summary["cells"]) == {"none", "containment", "likelihood"}
+    cells = summary["cells"]["none"]
+    assert len(cells) == 21
+    found = {key for key, value in cells.items() if value is not None}
+    assert {"3x3", "5x5"} <= found <= {"3x3", "5x4", "5x5"}
+    assert summary["wrong"] == 0
+
+
+def test_objects_tell_in_every_cell(result: ExperimentResult) -> None:
+    assert result.summary["cells_found"]["likelihood"] == 21
+    assert result.summary["seeds"]["likelihood"]["6x1"] == "2/2"
+
+
+def test_a_cell_that_half_of_the_seeds_miss_is_empty() -> None:
+    rows = [
+        {"rooms": 1, "cells": {"none": {"1": t}}, "wrong": {}, "detected": {"1": 1.0}}
+        for t in (3.0, None)
+    ]
+    summary = summarise(rows)
+    assert summary["cells"]["none"]["1x1"] is None
+    assert summary["seeds"]["none"]["1x1"] == "1/2"
+
+
+def test_only_some_rooms_are_kept() -> None:
+    graph = six_rooms()
+    part = only_rooms(graph, ["r1", "r4"])
+    assert [r.id for r in part.rooms] == ["r1", "r4"]
+    assert len(part.planes) == 8
+    assert all(set(o.rooms) <= {"r1", "r4"} for o in part.objects)
+    assert all(set(o.planes) <= {p.id for p in part.planes} for o in part.objects)
