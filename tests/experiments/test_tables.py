@@ -23,6 +23,13 @@ def test_single_figures_and_deeper_levels_have_tables_of_their_own() -> None:
     assert nested == Table("by building / A", ("case", "right"), [("3 rooms", 1)])
 
 
+def test_small_groups_of_a_case_are_spread_over_columns() -> None:
+    summary = {"A": {"drives": 2, "ate": {"median": 0.1, "max": 0.2}}}
+    (table,) = summary_tables(summary)
+    assert table.columns == ("case", "drives", "ate median", "ate max")
+    assert table.rows == [("A", 2, 0.1, 0.2)]
+
+
 def test_markdown_leaves_absent_figures_empty() -> None:
     table = Table("t", ("case", "a", "b"), [("x", 1, None)])
     assert markdown(table) == "**t**\n\n| case | a | b |\n| --- | --- | --- |\n| x | 1 |  |\n"

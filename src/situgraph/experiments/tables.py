@@ -18,10 +18,11 @@ def summary_tables(summary: Mapping[str, Any], title: str = "") -> Iterator[Tabl
     """Tables of a nested summary.
 
     Cases whose figures are plain values share a table, with a column for every figure one of them
-    has; single figures make a table of two columns; deeper levels follow, named by their path.
+    has; single figures make a table of two columns; deeper levels follow, named by their path. A
+    figure of a case that is itself a few values (median, max) takes a column for each.
     """
     single = {key: value for key, value in summary.items() if not isinstance(value, Mapping)}
-    nested = {key: value for key, value in summary.items() if isinstance(value, Mapping)}
+    nested = {key: _row(value) for key, value in summary.items() if isinstance(value, Mapping)}
     if single:
         yield Table(title, ("figure", "value"), [(k, shown(v)) for k, v in single.items()])
     flat = {key: value for key, value in nested.items() if _is_flat(value)}
@@ -51,6 +52,20 @@ def shown(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return ", ".join(str(shown(item)) for item in value)
     return value
+
+
+def _row(case: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The case with its small groups of values spread out, if it has plain figures beside them."""
+    groups = [value for value in case.values() if isinstance(value, Mapping)]
+    if len(groups) == len(case) or not all(map(_is_flat, groups)):
+        return case
+    row: dict[str, Any] = {}
+    for key, value in case.items():
+        if isinstance(value, Mapping):
+            row |= {f"{key} {name}": inner for name, inner in value.items()}
+        else:
+            row[key] = value
+    return row
 
 
 def _is_flat(value: Mapping[str, Any]) -> bool:
