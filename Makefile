@@ -37,7 +37,7 @@ format: $(STAMP)  ## format the code and sort its imports
 	$(BIN)/ruff format .
 
 bench: $(STAMP)  ## benchmarks
-	@$(BIN)/python -m pytest benchmarks --benchmark-enable --benchmark-only -p no:xdist $(ARGS)
+	@$(BIN)/python -m pytest $(or $(ARGS),benchmarks) --benchmark-enable --benchmark-only -p no:xdist
 
 docs: $(STAMP)  ## the tables and figures of docs/ that commands of this repository print
 	@$(BIN)/python scripts/docs.py
