@@ -9,6 +9,7 @@ import pytest
 
 FLOORS: dict[str, float] = {
     "errors": 0,
+    "setting": 0,
     "geometry": 1,
     "scenegraph": 2,
     "cache": 2.5,

@@ -6,14 +6,11 @@ Lengths in metres, angles in radians. One set of values serves every input.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated
 
 import msgspec
 
-
-def _meta(description: str, unit: str, source: str, **bounds: Any) -> msgspec.Meta:
-    return msgspec.Meta(description=description, extra={"unit": unit, "source": source}, **bounds)
-
+from situgraph.setting import setting
 
 _DESIGN = "DESIGN section 1"
 _MODEL = "docs/matching.md section 4"
@@ -26,17 +23,18 @@ class ObjectRates(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     """How the detector errs on one category; categories without an entry use the defaults."""
 
     miss: Annotated[
-        float, _meta("An object in view is not detected", "1", _DETECTOR, gt=0, lt=1)
+        float, setting("An object in view is not detected", "1", _DETECTOR, gt=0, lt=1)
     ] = 0.08
-    false: Annotated[float, _meta("A detection is of nothing", "1", _DETECTOR, gt=0, lt=1)] = 0.04
+    false: Annotated[float, setting("A detection is of nothing", "1", _DETECTOR, gt=0, lt=1)] = 0.04
     duplicate: Annotated[
-        float, _meta("An object is detected twice", "1", "issue 3", gt=0, lt=1)
+        float, setting("An object is detected twice", "1", "issue 3", gt=0, lt=1)
     ] = 0.03
     confusion: Annotated[
-        float, _meta("A detection has another category than its object", "1", _DETECTOR, gt=0, lt=1)
+        float,
+        setting("A detection has another category than its object", "1", _DETECTOR, gt=0, lt=1),
     ] = 0.02
     wrong_wall: Annotated[
-        float, _meta("A detection is tied to a wrong wall", "1", _MODEL, gt=0, lt=1)
+        float, setting("A detection is tied to a wrong wall", "1", _MODEL, gt=0, lt=1)
     ] = 0.05
 
 
@@ -44,110 +42,116 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     """Settings of the matching stage."""
 
     plane_offset_tolerance: Annotated[
-        float, _meta("A wall this near its planned place fits", "m", _DESIGN, gt=0, le=1)
+        float, setting("A wall this near its planned place fits", "m", _DESIGN, gt=0, le=1)
     ] = 0.15
     moved_limit: Annotated[
         float,
-        _meta("A wall this near its planned place may have been moved", "m", _DESIGN, gt=0, le=2),
+        setting("A wall this near its planned place may have been moved", "m", _DESIGN, gt=0, le=2),
     ] = 0.4
     angle_tolerance: Annotated[
-        float, _meta("Walls that differ less have the same direction", "rad", _DESIGN, gt=0, le=0.3)
+        float,
+        setting("Walls that differ less have the same direction", "rad", _DESIGN, gt=0, le=0.3),
     ] = math.radians(5)
     parallel_sine: Annotated[
         float,
-        _meta("Planes are parallel below this sine of their angle", "1", _MODEL, gt=0.2, le=0.9),
+        setting("Planes are parallel below this sine of their angle", "1", _MODEL, gt=0.2, le=0.9),
     ] = 0.3
     usable_tilt: Annotated[
-        float, _meta("Planes that lean more bound no room", "rad", _MODEL, ge=0, le=1)
+        float, setting("Planes that lean more bound no room", "rad", _MODEL, ge=0, le=1)
     ] = math.radians(20)
     storey_tolerance: Annotated[
-        float, _meta("Storeys this near in height are one", "m", _DESIGN, gt=0, le=2)
+        float, setting("Storeys this near in height are one", "m", _DESIGN, gt=0, le=2)
     ] = 0.8
     min_share: Annotated[
-        float, _meta("Share of the online rooms a candidate explains", "1", _DESIGN, gt=0, le=1)
+        float, setting("Share of the online rooms a candidate explains", "1", _DESIGN, gt=0, le=1)
     ] = 0.7
     all_rooms_up_to: Annotated[
-        int, _meta("With so few online rooms a candidate explains all", "1", _DESIGN, ge=0)
+        int, setting("With so few online rooms a candidate explains all", "1", _DESIGN, ge=0)
     ] = 3
     same_distance: Annotated[
         float,
-        _meta("Placements this near at the mean room centre are the same", "m", _DESIGN, gt=0),
+        setting("Placements this near at the mean room centre are the same", "m", _DESIGN, gt=0),
     ] = 0.3
     same_yaw: Annotated[
-        float, _meta("Placements this near in yaw are the same", "rad", _DESIGN, gt=0)
+        float, setting("Placements this near in yaw are the same", "rad", _DESIGN, gt=0)
     ] = math.radians(10)
     same_height: Annotated[
-        float, _meta("Placements this near in height are the same", "m", _DESIGN, gt=0)
+        float, setting("Placements this near in height are the same", "m", _DESIGN, gt=0)
     ] = 0.8
     plane_sigma: Annotated[
-        float, _meta("Standard deviation of the offset of a wall that fits", "m", _MODEL, gt=0)
+        float, setting("Standard deviation of the offset of a wall that fits", "m", _MODEL, gt=0)
     ] = 0.06
     angle_sigma: Annotated[
-        float, _meta("Standard deviation of a wall's direction", "rad", _MODEL, gt=0)
+        float, setting("Standard deviation of a wall's direction", "rad", _MODEL, gt=0)
     ] = math.radians(2)
     clutter_length: Annotated[
-        float, _meta("A plane that is in no plan lies anywhere in this length", "m", _MODEL, gt=0)
+        float, setting("A plane that is in no plan lies anywhere in this length", "m", _MODEL, gt=0)
     ] = 10.0
-    p_moved: Annotated[float, _meta("A wall was moved", "1", _MODEL, gt=0, lt=0.5)] = 0.03
-    p_missing: Annotated[float, _meta("A seen wall is not planned", "1", _MODEL, gt=0, lt=0.5)] = (
-        0.03
-    )
+    p_moved: Annotated[float, setting("A wall was moved", "1", _MODEL, gt=0, lt=0.5)] = 0.03
+    p_missing: Annotated[
+        float, setting("A seen wall is not planned", "1", _MODEL, gt=0, lt=0.5)
+    ] = 0.03
     p_missing_shared: Annotated[
-        float, _meta("A plane is tied to a room too many", "1", _MODEL, gt=0, lt=1)
+        float, setting("A plane is tied to a room too many", "1", _MODEL, gt=0, lt=1)
     ] = 0.1
     p_false_room: Annotated[
-        float, _meta("A seen room is none of the plan's", "1", _MODEL, gt=0, lt=1)
+        float, setting("A seen room is none of the plan's", "1", _MODEL, gt=0, lt=1)
     ] = 0.1
     outside_prior: Annotated[
-        float, _meta("The robot is not in this plan", "1", _DESIGN, gt=0, lt=1)
+        float, setting("The robot is not in this plan", "1", _DESIGN, gt=0, lt=1)
     ] = 0.01
-    mirror_prior: Annotated[float, _meta("The plan is mirrored", "1", _MODEL, ge=0, lt=1)] = 0.001
+    mirror_prior: Annotated[float, setting("The plan is mirrored", "1", _MODEL, ge=0, lt=1)] = 0.001
     plan_margin: Annotated[
-        float, _meta("The plan reaches this far beyond its room centres", "m", _MODEL, gt=0)
+        float, setting("The plan reaches this far beyond its room centres", "m", _MODEL, gt=0)
     ] = 5.0
     rival_ratio: Annotated[
         float,
-        _meta("A candidate this probable beside the best is a solution", "1", _DESIGN, ge=0, le=1),
+        setting(
+            "A candidate this probable beside the best is a solution", "1", _DESIGN, ge=0, le=1
+        ),
     ] = 0.01
     unique_probability: Annotated[
-        float, _meta("A single solution this probable is unique", "1", _DESIGN, gt=0, le=1)
+        float, setting("A single solution this probable is unique", "1", _DESIGN, gt=0, le=1)
     ] = 0.99
     max_solutions: Annotated[
-        int, _meta("Solutions listed at most", "1", "DESIGN section 3", ge=1)
+        int, setting("Solutions listed at most", "1", "DESIGN section 3", ge=1)
     ] = 10_000
 
     object_sigma: Annotated[
-        float, _meta("Standard deviation of an object's place in the plan", "m", _MODEL, gt=0)
+        float, setting("Standard deviation of an object's place in the plan", "m", _MODEL, gt=0)
     ] = 0.25
     object_tail_share: Annotated[
-        float, _meta("Objects of which only a part was seen", "1", _MODEL, ge=0, lt=1)
+        float, setting("Objects of which only a part was seen", "1", _MODEL, ge=0, lt=1)
     ] = 0.1
     object_tail_radius: Annotated[
-        float, _meta("How far the centre of such a part may lie off", "m", _MODEL, gt=0)
+        float, setting("How far the centre of such a part may lie off", "m", _MODEL, gt=0)
     ] = 1.0
     clutter_area: Annotated[
-        float, _meta("An object that is in no plan lies anywhere in this area", "m2", _MODEL, gt=0)
+        float,
+        setting("An object that is in no plan lies anywhere in this area", "m2", _MODEL, gt=0),
     ] = 20.0
     least_share: Annotated[
-        float, _meta("No category is rarer among the prior's objects", "1", _MODEL, gt=0, le=1)
+        float, setting("No category is rarer among the prior's objects", "1", _MODEL, gt=0, le=1)
     ] = 0.01
     seen_whole: Annotated[
-        float, _meta("A matched room has been seen whole", "1", _MODEL, gt=0, lt=1)
+        float, setting("A matched room has been seen whole", "1", _MODEL, gt=0, lt=1)
     ] = 0.7
-    rates: Annotated[ObjectRates, _meta("How the detector errs on any category", "", _DETECTOR)] = (
-        msgspec.field(default_factory=ObjectRates)
-    )
+    rates: Annotated[
+        ObjectRates, setting("How the detector errs on any category", "", _DETECTOR)
+    ] = msgspec.field(default_factory=ObjectRates)
     category_rates: Annotated[
-        dict[str, ObjectRates], _meta("How the detector errs on some categories", "", _DETECTOR)
+        dict[str, ObjectRates], setting("How the detector errs on some categories", "", _DETECTOR)
     ] = {}
 
     smallest_step: Annotated[
         float,
-        _meta("Feasible sets narrower than this may be passed over", "m", "docs/matching.md", gt=0),
+        setting(
+            "Feasible sets narrower than this may be passed over", "m", "docs/matching.md", gt=0
+        ),
     ] = 0.001
     peak_step: Annotated[
         float,
-        _meta(
+        setting(
             "Peaks are looked for from placements this near each other",
             "m",
             "docs/matching.md",
@@ -156,7 +160,7 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     ] = 0.05
     max_boxes: Annotated[
         int,
-        _meta(
+        setting(
             "Boxes searched at most before the search is called incomplete",
             "1",
             "docs/matching.md",
@@ -165,7 +169,7 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     ] = 2_000_000
     max_work: Annotated[
         int,
-        _meta(
+        setting(
             "Comparisons of planes at most before the search is called incomplete",
             "1",
             "docs/matching.md",

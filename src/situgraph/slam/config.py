@@ -6,13 +6,13 @@ from typing import Annotated
 
 import msgspec
 
+from situgraph.setting import setting
 from situgraph.slam.input_config import (
     TESTS,
     VLP16,
     ImageConfig,
     KeyframeConfig,
     OdometryConfig,
-    meta,
 )
 
 
@@ -20,235 +20,244 @@ class PlaneConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     """Wall planes in a scan."""
 
     voxel: Annotated[
-        float, meta("Scans are thinned to one point a voxel", "m", "S-Graphs+ (0.1 m)", gt=0)
+        float, setting("Scans are thinned to one point a voxel", "m", "S-Graphs+ (0.1 m)", gt=0)
     ] = 0.1
     reach: Annotated[
-        float, meta("Neighbours that tell a surface's direction lie no farther", "m", TESTS, gt=0)
+        float,
+        setting("Neighbours that tell a surface's direction lie no farther", "m", TESTS, gt=0),
     ] = 0.35
     directions: Annotated[
-        int, meta("Wall directions looked for in a scan", "1", "4 a wing, three wings", ge=1)
+        int, setting("Wall directions looked for in a scan", "1", "4 a wing, three wings", ge=1)
     ] = 12
-    offset_bin: Annotated[float, meta("Bin of the offset histogram", "m", "voxel", gt=0)] = 0.1
+    offset_bin: Annotated[float, setting("Bin of the offset histogram", "m", "voxel", gt=0)] = 0.1
     thickness: Annotated[
         float,
-        meta("Points this close to the line belong to the wall", "m", VLP16 + ": 3 cm", gt=0),
+        setting("Points this close to the line belong to the wall", "m", VLP16 + ": 3 cm", gt=0),
     ] = 0.06
     gap: Annotated[
-        float, meta("A longer gap cuts a wall into two pieces", "m", "half a door", gt=0)
+        float, setting("A longer gap cuts a wall into two pieces", "m", "half a door", gt=0)
     ] = 0.4
-    least_points: Annotated[int, meta("Fewest points of a wall piece", "1", TESTS, ge=3)] = 10
+    least_points: Annotated[int, setting("Fewest points of a wall piece", "1", TESTS, ge=3)] = 10
     least_length: Annotated[
-        float, meta("Shortest wall piece", "m", "door jambs are shorter", gt=0)
+        float, setting("Shortest wall piece", "m", "door jambs are shorter", gt=0)
     ] = 0.35
     least_height: Annotated[
-        float, meta("Least height that a wall piece shows", "m", "more than one ring", ge=0)
+        float, setting("Least height that a wall piece shows", "m", "more than one ring", ge=0)
     ] = 0.12
     bottom: Annotated[
-        float, meta("Points below are floor and sills", "m", "skirting board", ge=0)
+        float, setting("Points below are floor and sills", "m", "skirting board", ge=0)
     ] = 0.12
     top: Annotated[
         float,
-        meta("Points above are not used: lintels would close doors", "m", "door: 2.0 m", gt=0),
+        setting("Points above are not used: lintels would close doors", "m", "door: 2.0 m", gt=0),
     ] = 1.9
     noise_pieces: Annotated[
-        int, meta("Longest pieces of a scan that tell its noise", "1", TESTS, ge=1)
+        int, setting("Longest pieces of a scan that tell its noise", "1", TESTS, ge=1)
     ] = 5
     blur: Annotated[
         float,
-        meta("A piece that scatters more than this many times is no wall", "1", TESTS, gt=1),
+        setting("A piece that scatters more than this many times is no wall", "1", TESTS, gt=1),
     ] = 1.8
     skew: Annotated[
-        float, meta("Nor is one whose surfaces face another way", "rad", TESTS, gt=0)
+        float, setting("Nor is one whose surfaces face another way", "rad", TESTS, gt=0)
     ] = 0.05
     angle_limit: Annotated[
-        float, meta("Nor one whose angle is known no better", "rad", TESTS, gt=0)
+        float, setting("Nor one whose angle is known no better", "rad", TESTS, gt=0)
     ] = 0.025
     range_sigma: Annotated[
-        float, meta("Noise of one point across the wall, at least", "m", VLP16, gt=0)
+        float, setting("Noise of one point across the wall, at least", "m", VLP16, gt=0)
     ] = 0.015
     angle_floor: Annotated[
-        float, meta("Error of a wall's angle that does not average out", "rad", TESTS, gt=0)
+        float, setting("Error of a wall's angle that does not average out", "rad", TESTS, gt=0)
     ] = 0.003
     offset_floor: Annotated[
-        float, meta("Error of a wall's offset that does not average out", "m", TESTS, gt=0)
+        float, setting("Error of a wall's offset that does not average out", "m", TESTS, gt=0)
     ] = 0.006
     tilt_prior: Annotated[
-        float, meta("Expected error of a scan's tilt before its walls tell", "rad", TESTS, gt=0)
+        float, setting("Expected error of a scan's tilt before its walls tell", "rad", TESTS, gt=0)
     ] = 0.03
-    tilt_noise: Annotated[float, meta("Error of one surface normal", "rad", TESTS, gt=0)] = 0.1
+    tilt_noise: Annotated[float, setting("Error of one surface normal", "rad", TESTS, gt=0)] = 0.1
     tilt_limit: Annotated[
-        float, meta("Normals farther off are neither wall nor floor", "rad", "4 deg", gt=0)
+        float, setting("Normals farther off are neither wall nor floor", "rad", "4 deg", gt=0)
     ] = 0.07
     tilt_floor: Annotated[
-        float, meta("Error of a scan's tilt that does not average out", "rad", TESTS, gt=0)
+        float, setting("Error of a scan's tilt that does not average out", "rad", TESTS, gt=0)
     ] = 0.004
     floor_lowest: Annotated[
-        float, meta("The floor lies no lower under base", "m", "a sensor on a mast")
+        float, setting("The floor lies no lower under base", "m", "a sensor on a mast")
     ] = -2.5
     floor_highest: Annotated[
-        float, meta("The floor lies no higher than this over base", "m", "base on the floor")
+        float, setting("The floor lies no higher than this over base", "m", "base on the floor")
     ] = 0.25
-    floor_points: Annotated[int, meta("Fewest points of a floor", "1", TESTS, ge=1)] = 20
+    floor_points: Annotated[int, setting("Fewest points of a floor", "1", TESTS, ge=1)] = 20
     floor_sigma: Annotated[
-        float, meta("Error of the floor's height that does not average out", "m", TESTS, gt=0)
+        float, setting("Error of the floor's height that does not average out", "m", TESTS, gt=0)
     ] = 0.02
-    floor_tilt: Annotated[float, meta("Error of the floor's direction", "rad", TESTS, gt=0)] = 0.02
-    floor_range: Annotated[float, meta("Floor is looked for this near", "m", "one room", gt=0)] = (
-        10.0
+    floor_tilt: Annotated[float, setting("Error of the floor's direction", "rad", TESTS, gt=0)] = (
+        0.02
     )
+    floor_range: Annotated[
+        float, setting("Floor is looked for this near", "m", "one room", gt=0)
+    ] = 10.0
 
 
 class MapConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Association of wall pieces to the planes of the map."""
 
     angle: Annotated[
-        float, meta("A piece and its plane differ less in direction", "rad", TESTS, gt=0)
+        float, setting("A piece and its plane differ less in direction", "rad", TESTS, gt=0)
     ] = 0.12
     offset: Annotated[
-        float, meta("... and less across, after the keyframe is aligned", "m", TESTS, gt=0)
+        float, setting("... and less across, after the keyframe is aligned", "m", TESTS, gt=0)
     ] = 0.07
     search: Annotated[
-        float, meta("... and less across, before it is aligned", "m", "half a cupboard", gt=0)
+        float, setting("... and less across, before it is aligned", "m", "half a cupboard", gt=0)
     ] = 0.35
     gap: Annotated[
-        float, meta("... and lie no farther apart along the wall", "m", "one door", ge=0)
+        float, setting("... and lie no farther apart along the wall", "m", "one door", ge=0)
     ] = 1.2
     sigma_position: Annotated[
-        float, meta("Expected error of a keyframe before it is aligned", "m", TESTS, gt=0)
+        float, setting("Expected error of a keyframe before it is aligned", "m", TESTS, gt=0)
     ] = 0.15
     sigma_yaw: Annotated[
-        float, meta("Expected error of a keyframe before it is aligned", "rad", TESTS, gt=0)
+        float, setting("Expected error of a keyframe before it is aligned", "rad", TESTS, gt=0)
     ] = 0.02
     new_length: Annotated[
-        float, meta("A shorter piece starts no plane", "m", "a wall stub between doors", gt=0)
+        float, setting("A shorter piece starts no plane", "m", "a wall stub between doors", gt=0)
     ] = 0.5
     merge_offset: Annotated[
-        float, meta("Planes closer than this that overlap are one", "m", TESTS, gt=0)
+        float, setting("Planes closer than this that overlap are one", "m", TESTS, gt=0)
     ] = 0.06
     merge_angle: Annotated[
-        float, meta("... when their directions differ less", "rad", "2 deg", gt=0)
+        float, setting("... when their directions differ less", "rad", "2 deg", gt=0)
     ] = 0.035
     interval_gap: Annotated[
         float,
-        meta("A plane seen on both sides of a shorter gap was seen in it", "m", TESTS, ge=0),
+        setting("A plane seen on both sides of a shorter gap was seen in it", "m", TESTS, ge=0),
     ] = 0.3
     certain_length: Annotated[
-        float, meta("A plane this long counts at once, shorter ones", "m", TESTS, gt=0)
+        float, setting("A plane this long counts at once, shorter ones", "m", TESTS, gt=0)
     ] = 1.5
-    certain_sightings: Annotated[int, meta("... after so many sightings", "1", TESTS, ge=1)] = 2
+    certain_sightings: Annotated[int, setting("... after so many sightings", "1", TESTS, ge=1)] = 2
     wall_share: Annotated[
-        float, meta("Furniture ends below this share of the visible height", "1", TESTS, ge=0)
+        float, setting("Furniture ends below this share of the visible height", "1", TESTS, ge=0)
     ] = 0.8
 
 
 class RoomConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Rooms from free space and planes."""
 
-    cell: Annotated[float, meta("Cell of the plan's raster", "m", "FACTS", gt=0)] = 0.1
+    cell: Annotated[float, setting("Cell of the plan's raster", "m", "FACTS", gt=0)] = 0.1
     band_top: Annotated[
-        float, meta("Beams above say nothing of the free space", "m", "door: 2.0 m", gt=0)
+        float, setting("Beams above say nothing of the free space", "m", "door: 2.0 m", gt=0)
     ] = 1.9
     free_range: Annotated[
-        float, meta("Free space counts up to this distance", "m", TESTS, gt=0)
+        float, setting("Free space counts up to this distance", "m", TESTS, gt=0)
     ] = 15.0
     free_margin: Annotated[
-        float, meta("Free space ends this far before what was hit", "m", "half a cell", ge=0)
+        float, setting("Free space ends this far before what was hit", "m", "half a cell", ge=0)
     ] = 0.05
     window: Annotated[
-        float, meta("Rooms are looked for this far around the robot", "m", TESTS, gt=0)
+        float, setting("Rooms are looked for this far around the robot", "m", TESTS, gt=0)
     ] = 15.0
     door_width: Annotated[
-        float, meta("A gap in a wall up to this is an opening", "m", "double doors", gt=0)
+        float, setting("A gap in a wall up to this is an opening", "m", "double doors", gt=0)
     ] = 2.4
     end_door_width: Annotated[
-        float, meta("... a gap between a wall's end and the next wall", "m", "single doors", gt=0)
+        float,
+        setting("... a gap between a wall's end and the next wall", "m", "single doors", gt=0),
     ] = 1.3
-    leaf_length: Annotated[float, meta("An open door leaf is no longer", "m", "doors", gt=0)] = 1.3
-    leaf_thickness: Annotated[float, meta("... and no thicker", "m", "doors, and noise", gt=0)] = (
-        0.12
+    leaf_length: Annotated[float, setting("An open door leaf is no longer", "m", "doors", gt=0)] = (
+        1.3
     )
+    leaf_thickness: Annotated[
+        float, setting("... and no thicker", "m", "doors, and noise", gt=0)
+    ] = 0.12
     collinear: Annotated[
-        float, meta("Faces on one line differ less in offset", "m", TESTS, gt=0)
+        float, setting("Faces on one line differ less in offset", "m", TESTS, gt=0)
     ] = 0.08
     thickest_wall: Annotated[
-        float, meta("The other face of a wall lies no farther behind", "m", "walls", gt=0)
+        float, setting("The other face of a wall lies no farther behind", "m", "walls", gt=0)
     ] = 0.5
-    corner: Annotated[float, meta("Walls whose ends are this near meet", "m", TESTS, gt=0)] = 0.25
+    corner: Annotated[float, setting("Walls whose ends are this near meet", "m", TESTS, gt=0)] = (
+        0.25
+    )
     least_support: Annotated[
-        float, meta("A plane bounds a room with at least this much of it", "m", TESTS, gt=0)
+        float, setting("A plane bounds a room with at least this much of it", "m", TESTS, gt=0)
     ] = 0.4
     jog: Annotated[
-        float, meta("Parallel faces nearer than this are one side of a room", "m", TESTS, gt=0)
+        float, setting("Parallel faces nearer than this are one side of a room", "m", TESTS, gt=0)
     ] = 0.25
     most_planes: Annotated[
-        int, meta("Planes of a room at most, the longest first", "1", TESTS, ge=4, le=40)
+        int, setting("Planes of a room at most, the longest first", "1", TESTS, ge=4, le=40)
     ] = 20
     open_slack: Annotated[
-        float, meta("A region may end this far before a wall", "m", TESTS, gt=0)
+        float, setting("A region may end this far before a wall", "m", TESTS, gt=0)
     ] = 0.35
     free_share: Annotated[
-        float, meta("A cell between walls belongs to the room if so much is free", "1", TESTS)
+        float, setting("A cell between walls belongs to the room if so much is free", "1", TESTS)
     ] = 0.5
     widest_window: Annotated[
-        float, meta("... and up to this far when the robot's room goes on", "m", TESTS, gt=0)
+        float, setting("... and up to this far when the robot's room goes on", "m", TESTS, gt=0)
     ] = 60.0
     half_height: Annotated[
-        float, meta("Centres of rooms lie this high over the floor", "m", "half of 2.5 m", gt=0)
+        float, setting("Centres of rooms lie this high over the floor", "m", "half of 2.5 m", gt=0)
     ] = 1.25
     every: Annotated[
-        float, meta("Of keyframes nearer to each other only the last counts", "m", TESTS, gt=0)
+        float, setting("Of keyframes nearer to each other only the last counts", "m", TESTS, gt=0)
     ] = 0.5
     entered_margin: Annotated[
-        float, meta("A room is entered this far inside its walls", "m", "half a robot", ge=0)
+        float, setting("A room is entered this far inside its walls", "m", "half a robot", ge=0)
     ] = 0.25
     least_closed: Annotated[
-        float, meta("Share of an entered room's outline that is wall or door", "1", TESTS)
+        float, setting("Share of an entered room's outline that is wall or door", "1", TESTS)
     ] = 0.6
     least_closed_unentered: Annotated[
-        float, meta("The same for a room that was only looked into", "1", TESTS)
+        float, setting("The same for a room that was only looked into", "1", TESTS)
     ] = 0.85
-    least_area: Annotated[float, meta("Smallest room", "m2", "a toilet", gt=0)] = 0.9
-    least_width: Annotated[float, meta("Narrowest room", "m", "a toilet", gt=0)] = 0.7
+    least_area: Annotated[float, setting("Smallest room", "m2", "a toilet", gt=0)] = 0.9
+    least_width: Annotated[float, setting("Narrowest room", "m", "a toilet", gt=0)] = 0.7
 
 
 class StoreyConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Storeys from height changes."""
 
     slack: Annotated[
-        float, meta("A robot this near a storey's floor is on it", "m", "two steps", gt=0)
+        float, setting("A robot this near a storey's floor is on it", "m", "two steps", gt=0)
     ] = 0.4
     least_height: Annotated[
-        float, meta("Storeys are at least so far apart", "m", "headroom", gt=0)
+        float, setting("Storeys are at least so far apart", "m", "headroom", gt=0)
     ] = 1.5
     level_keyframes: Annotated[
-        int, meta("Keyframes at one height that make a landing a storey", "1", TESTS, ge=2)
+        int, setting("Keyframes at one height that make a landing a storey", "1", TESTS, ge=2)
     ] = 3
-    level_range: Annotated[float, meta("... whose heights differ less", "m", "one step", gt=0)] = (
-        0.12
-    )
+    level_range: Annotated[
+        float, setting("... whose heights differ less", "m", "one step", gt=0)
+    ] = 0.12
     standing: Annotated[
-        float, meta("Base over the floor, before it was seen", "m", "Spot", gt=0)
+        float, setting("Base over the floor, before it was seen", "m", "Spot", gt=0)
     ] = 0.5
-    standing_least: Annotated[int, meta("... and which it needs at least", "1", TESTS, ge=1)] = 3
+    standing_least: Annotated[int, setting("... and which it needs at least", "1", TESTS, ge=1)] = 3
     standing_share: Annotated[
         float,
-        meta("... and the share of them that must agree", "1", "SE1/R8, Institute", ge=0, le=1),
+        setting("... and the share of them that must agree", "1", "SE1/R8, Institute", ge=0, le=1),
     ] = 0.3
     standing_keyframes: Annotated[
-        int, meta("Keyframes that tell base's height over the floor", "1", TESTS, ge=1)
+        int, setting("Keyframes that tell base's height over the floor", "1", TESTS, ge=1)
     ] = 10
     standing_sigma: Annotated[
-        float, meta("How well base keeps its height over a floor not seen", "m", "gait", gt=0)
+        float, setting("How well base keeps its height over a floor not seen", "m", "gait", gt=0)
     ] = 0.03
     standing_tilt: Annotated[
         float,
-        meta("... and its direction, which gravity tells", "rad", "no information", gt=0),
+        setting("... and its direction, which gravity tells", "rad", "no information", gt=0),
     ] = 1.0
     standing_slack: Annotated[
-        float, meta("A robot that is farther from its usual height climbs", "m", "one step", gt=0)
+        float,
+        setting("A robot that is farther from its usual height climbs", "m", "one step", gt=0),
     ] = 0.15
     floor_slack: Annotated[
-        float, meta("A floor seen farther from the storey's is another", "m", "one step", gt=0)
+        float, setting("A floor seen farther from the storey's is another", "m", "one step", gt=0)
     ] = 0.15
 
 
@@ -256,34 +265,34 @@ class StructureConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, k
     """Soft factors between planes: the two faces of a wall, the axes of a wing."""
 
     least_sightings: Annotated[
-        int, meta("Keyframes that saw a plane before it is tied", "1", TESTS, ge=1)
+        int, setting("Keyframes that saw a plane before it is tied", "1", TESTS, ge=1)
     ] = 3
     least_length: Annotated[
-        float, meta("Shorter planes are not tied to axes", "m", TESTS, gt=0)
+        float, setting("Shorter planes are not tied to axes", "m", TESTS, gt=0)
     ] = 1.5
     axes_length: Annotated[
-        float, meta("A plane this long may start the axes of another wing", "m", TESTS, gt=0)
+        float, setting("A plane this long may start the axes of another wing", "m", TESTS, gt=0)
     ] = 3.0
     same_axes: Annotated[
-        float, meta("A wall this near in direction follows the axes", "rad", "1.5 deg", gt=0)
+        float, setting("A wall this near in direction follows the axes", "rad", "1.5 deg", gt=0)
     ] = 0.026
     other_axes: Annotated[
-        float, meta("... and one farther off has other axes", "rad", "5 deg", gt=0)
+        float, setting("... and one farther off has other axes", "rad", "5 deg", gt=0)
     ] = 0.087
     angle: Annotated[
         float,
-        meta("Walls deviate from parallel by this", "rad", "0.5 deg, building practice", gt=0),
+        setting("Walls deviate from parallel by this", "rad", "0.5 deg, building practice", gt=0),
     ] = 0.009
     tilt: Annotated[
-        float, meta("Walls deviate from upright by this", "rad", "building practice", gt=0)
+        float, setting("Walls deviate from upright by this", "rad", "building practice", gt=0)
     ] = 0.005
     overlap: Annotated[
-        float, meta("Two faces of a wall lie side by side for this long", "m", TESTS, gt=0)
+        float, setting("Two faces of a wall lie side by side for this long", "m", TESTS, gt=0)
     ] = 0.5
-    thinnest: Annotated[float, meta("Thinnest wall", "m", "layouts", gt=0)] = 0.04
-    thickest: Annotated[float, meta("Thickest wall", "m", "building practice", gt=0)] = 0.5
+    thinnest: Annotated[float, setting("Thinnest wall", "m", "layouts", gt=0)] = 0.04
+    thickest: Annotated[float, setting("Thickest wall", "m", "building practice", gt=0)] = 0.5
     thickness_sigma: Annotated[
-        float, meta("How well a wall keeps the thickness first seen", "m", TESTS, gt=0)
+        float, setting("How well a wall keeps the thickness first seen", "m", TESTS, gt=0)
     ] = 0.05
 
 
@@ -291,29 +300,31 @@ class GraphConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     """Noise of the factors and how they are solved."""
 
     relinearize: Annotated[
-        float, meta("Variables that move less are not linearised anew", "1", "iSAM2", gt=0)
+        float, setting("Variables that move less are not linearised anew", "1", "iSAM2", gt=0)
     ] = 0.01
     huber: Annotated[
-        float, meta("Kernel of motion factors, in sigmas", "1", "Huber 1981", gt=0)
+        float, setting("Kernel of motion factors, in sigmas", "1", "Huber 1981", gt=0)
     ] = 1.345
-    extra_steps: Annotated[int, meta("Further Gauss-Newton steps an update", "1", TESTS, ge=0)] = 1
+    extra_steps: Annotated[
+        int, setting("Further Gauss-Newton steps an update", "1", TESTS, ge=0)
+    ] = 1
     start_sigma: Annotated[
         float,
-        meta("The first keyframe's place and heading are the map's", "m, rad", "gauge", gt=0),
+        setting("The first keyframe's place and heading are the map's", "m, rad", "gauge", gt=0),
     ] = 1e-3
-    start_tilt: Annotated[float, meta("Tilt of the first keyframe", "rad", TESTS, gt=0)] = 0.05
+    start_tilt: Annotated[float, setting("Tilt of the first keyframe", "rad", TESTS, gt=0)] = 0.05
     motion_angle: Annotated[
-        float, meta("Error of a motion's angle, a keyframe", "rad", TESTS, gt=0)
+        float, setting("Error of a motion's angle, a keyframe", "rad", TESTS, gt=0)
     ] = 0.005
-    motion_position: Annotated[float, meta("Error of a motion, a keyframe", "m", TESTS, gt=0)] = (
-        0.015
-    )
-    motion_share: Annotated[float, meta("Error of a motion, a metre", "1", TESTS, ge=0)] = 0.01
+    motion_position: Annotated[
+        float, setting("Error of a motion, a keyframe", "m", TESTS, gt=0)
+    ] = 0.015
+    motion_share: Annotated[float, setting("Error of a motion, a metre", "1", TESTS, ge=0)] = 0.01
     recorded_factor: Annotated[
-        float, meta("Errors are so much larger where only odometry was there", "1", TESTS, ge=1)
+        float, setting("Errors are so much larger where only odometry was there", "1", TESTS, ge=1)
     ] = 3.0
     lost_factor: Annotated[
-        float, meta("Errors are so much larger where nothing was there", "1", TESTS, ge=1)
+        float, setting("Errors are so much larger where nothing was there", "1", TESTS, ge=1)
     ] = 20.0
 
 
