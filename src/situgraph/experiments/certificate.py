@@ -77,7 +77,8 @@ def solve_trial(task: Mapping[str, Any]) -> dict[str, Any]:
     building = make_layout(kind, planned, 2 * task["seed"], str(symmetry))  # type: ignore[arg-type]
     sample = sample_online(building, seen, task["seed"], ERRORS[task["errors"]])
     prior = make_layout(kind, planned, 2 * task["seed"] + 1) if foreign else building
-    result = match(sample.online, PlanIndex(prior), semantics=semantics)  # type: ignore[arg-type]
+    index = PlanIndex(prior)
+    result = match(sample.online, index, semantics=semantics)  # type: ignore[arg-type]
     judge = Judge(sample, prior, semantics)  # type: ignore[arg-type]
     outcome = judge.outcome(result)
     if foreign and outcome == "right":
@@ -91,6 +92,7 @@ def solve_trial(task: Mapping[str, Any]) -> dict[str, Any]:
         "rooms": result.stats["rooms_online"],
         "semantics": semantics,
         "foreign": foreign,
+        "congruent": foreign and congruent(sample, building, index),
         "admissible": not foreign and judge.admissible(result),
         "outcome": outcome,
         "certified": result.certified,
@@ -144,16 +146,25 @@ def _as_planned(sample: OnlineSample, building: SceneGraph) -> SceneGraph:
 
 
 def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Wrongly unique in trials that the printed model covers, and in those beyond it."""
+    """Wrongly unique in trials that the printed model covers, and in those beyond it.
+
+    ``expected_wrong`` is what the stated probabilities of the unique ones add up to. Foreign
+    robots that saw walls which the plan has as well (``congruent``) are counted apart.
+    """
     summary = {}
     for errors in ERRORS:
         mine = [r for r in rows if r["errors"] == errors and not r["foreign"]]
         covered = [r for r in mine if r["admissible"]]
+        away = [r for r in rows if r["errors"] == errors and r["foreign"]]
         summary[f"trials_{errors}"] = {
             **tally(covered),
             "inadmissible": tally(r for r in mine if not r["admissible"]),
-            "foreign": tally(r for r in rows if r["errors"] == errors and r["foreign"]),
+            "foreign": tally(r for r in away if not r["congruent"]),
+            "congruent": tally(r for r in away if r["congruent"]),
             "certified_wrong": sum(r["certified"] and r["outcome"] == "wrong" for r in covered),
+            "expected_wrong": sum(
+                1.0 - r["said"][0][0] for r in covered if r["outcome"] in ("right", "wrong")
+            ),
         }
     return summary
 

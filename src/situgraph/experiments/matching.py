@@ -57,7 +57,7 @@ def run(options: RunOptions) -> ExperimentResult:
         *certificate.trial_tasks(seed, size["beyond"], "beyond"),
         *certificate.cross_tasks(seed, size["pairs"]),
     ]
-    experiment = Experiment("matching", tasks, solve, summarise, seed)
+    experiment = Experiment("matching", tasks, solve, summarise, seed, revision=2)
     result = run_experiment(experiment, options)
     if options.folder is not None:
         draw(result, options.folder)
