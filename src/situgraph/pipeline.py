@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from situgraph.config import Settings
-from situgraph.coupling import Located, Locator, from_slam, locate
+from situgraph.coupling import Located, Locator, from_slam, locate, spread
 from situgraph.geometry.poses import Array, pose_to_matrix
 from situgraph.matching import Matcher, PlanIndex
 from situgraph.objects.detections import Camera, Detector
@@ -43,7 +43,8 @@ class State(msgspec.Struct, frozen=True):
     ``pose`` is base in the map; ``verdict`` is that of the last match, None before the first;
     ``solutions`` counts its placements, ``advice`` says what to look at to tell them apart;
     ``probability`` is that of the best one. ``place`` is base in the building while a match is
-    adopted, else None.
+    adopted, else None; ``apart`` (m) is how far the placements lie apart that the walls allow then,
+    0 where there is but one.
     """
 
     stamp: float
@@ -56,6 +57,7 @@ class State(msgspec.Struct, frozen=True):
     advice: str | None = None
     probability: float | None = None
     place: tuple[float, ...] | None = None
+    apart: float | None = None
 
 
 class Pipeline:
@@ -236,6 +238,8 @@ class Pipeline:
             pairs,
             evidence=from_slam(self.slam.graph, self.graph),
             looked_for=() if self.objects.detector is None else None,
+            lines=self.locator.lines,
+            found=self.locator.readings,
             config=self.settings.coupling,
         )
 
@@ -275,6 +279,7 @@ class Pipeline:
             advice=None if result is None or result.unique else _advice(result),
             probability=None if result is None or not result.best else result.best.probability,
             place=self._place(),
+            apart=None if self.located is None else spread(self.located.readings),
         )
 
     @contextmanager

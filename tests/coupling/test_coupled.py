@@ -13,11 +13,14 @@ from tests.coupling.plans import MAP, PRIOR, all_pairs, seen
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import couple, deviation
 from situgraph.coupling.evidence import Evidence, from_scene
+from situgraph.coupling.lines import WallLines
 from situgraph.coupling.located import locate
 from situgraph.coupling.walls import grouped, walls
 from situgraph.geometry.poses import Placement, pose_to_matrix, wrap_angle
 
 CONFIG = CouplingConfig(plane_sigma=0.01, plane_angle_sigma=0.003)
+
+LINES = WallLines(PRIOR)
 
 
 def off(found: Placement, true: Placement = MAP) -> tuple[float, float]:
@@ -106,7 +109,7 @@ def test_both_faces_of_a_wall_are_one_witness() -> None:
     """Of three walls across x one moved; its two faces are no majority over the other two."""
     graph = seen(PRIOR)
     faces = {p: p for p in ("p1", "p15", "p3", "p21")}  # wall of rooms 1 and 4; west; east
-    parts = grouped(walls(graph, PRIOR, faces.items(), MAP))
+    parts = grouped(walls(graph, PRIOR, faces.items(), MAP, LINES))
     assert sorted(sorted(f.prior for f in wall) for wall in parts) == [
         ["p1", "p15"],
         ["p21"],
@@ -117,7 +120,7 @@ def test_both_faces_of_a_wall_are_one_witness() -> None:
 def test_faces_in_one_line_are_one_wall() -> None:
     graph = seen(PRIOR)
     south = ["p0", "p12", "p16"]  # of rooms 1, 4 and 5
-    (wall,) = grouped(walls(graph, PRIOR, [(p, p) for p in south], MAP))
+    (wall,) = grouped(walls(graph, PRIOR, [(p, p) for p in south], MAP, LINES))
     assert sorted(face.prior for face in wall) == south
 
 
@@ -163,7 +166,7 @@ def test_a_map_that_drifts_is_bent_straight() -> None:
             factors.push_back(gtsam.OrientedPlane3Factor(coefficients, sharp, key, planes[name]))
     frames = {f"k{i}": gtsam.symbol("x", i) for i in range(len(true))}
     evidence = Evidence(factors, values, planes, frames)
-    faces = walls(online, PRIOR, [(p, p) for p in planes], MAP)
+    faces = walls(online, PRIOR, [(p, p) for p in planes], MAP, LINES)
     found = couple(evidence, faces, MAP, CONFIG)
     for i, room in enumerate(PRIOR.rooms):
         assert found.frames[f"k{i}"][:3, 3] == pytest.approx(room.center, abs=0.02)

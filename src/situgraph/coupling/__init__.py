@@ -18,11 +18,13 @@ _HOME = {
     "Located": "situgraph.coupling.located",
     "Locator": "situgraph.coupling.state",
     "Pairs": "situgraph.coupling.located",
+    "Reading": "situgraph.coupling.readings",
     "WallEstimate": "situgraph.coupling.coupled",
     "from_scene": "situgraph.coupling.evidence",
     "from_slam": "situgraph.coupling.evidence",
     "locate": "situgraph.coupling.located",
     "pairs_of": "situgraph.coupling.state",
+    "spread": "situgraph.coupling.readings",
     "write_bcf": "situgraph.coupling.bcf",
 }
 
@@ -35,11 +37,13 @@ __all__ = [
     "Located",
     "Locator",
     "Pairs",
+    "Reading",
     "WallEstimate",
     "from_scene",
     "from_slam",
     "locate",
     "pairs_of",
+    "spread",
     "write_bcf",
 ]
 
@@ -50,6 +54,7 @@ if TYPE_CHECKING:
     from situgraph.coupling.deviation import Deviation
     from situgraph.coupling.evidence import Evidence, from_scene, from_slam
     from situgraph.coupling.located import Located, Pairs, locate
+    from situgraph.coupling.readings import Reading, spread
     from situgraph.coupling.state import Event, Locator, pairs_of
 
 

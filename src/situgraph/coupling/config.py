@@ -66,6 +66,28 @@ class CouplingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         float, setting("Share of an online room inside a planned one", "1", _CHOICE, gt=0, le=1)
     ] = 0.6
 
+    # Readings: placements near the match's that explain the walls about as well
+    reading_apart: Annotated[
+        float, setting("Placements nearer than this are one reading", "m", _DESIGN, gt=0, le=1)
+    ] = 0.15
+    reading_reach: Annotated[
+        float, setting("Readings are looked for this far around", "m", _CHOICE, gt=0, le=2)
+    ] = 0.6
+    reading_ratio: Annotated[
+        float, setting("Less probable readings are ruled out", "1", _DESIGN, gt=0, lt=1)
+    ] = 0.01
+    reading_sigma: Annotated[
+        float,
+        setting("Offset of a wall built as planned", "m", "docs/matching.md", gt=0, le=0.5),
+    ] = 0.06
+    reading_moved: Annotated[
+        float,
+        setting(
+            "Density of a moved wall against that of one in its place",
+            "1", "docs/matching.md", gt=0, lt=0.5,
+        ),
+    ] = 0.006  # fmt: skip
+
     # Deviations
     told_offset: Annotated[
         float, setting("Smaller offsets of walls are not told", "m", "issue 6", ge=0, le=1)

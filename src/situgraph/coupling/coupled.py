@@ -110,7 +110,7 @@ def couple(
         w.online: evidence.values.atOrientedPlane3(evidence.planes[w.online]).planeCoefficients()
         for w in known
     }
-    placement = settled(grouped(known), seen, placement)
+    placement = settled(grouped(known), seen, placement, config.reading_apart)
     problem = Problem(gtsam, evidence, known, placement, anchor, config)
     parameters = gtsam.LevenbergMarquardtParams()
     parameters.setMaxIterations(config.max_iterations)

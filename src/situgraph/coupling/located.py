@@ -17,6 +17,8 @@ from situgraph.coupling.coupled import Coupled, couple
 from situgraph.coupling.deviation import Deviation
 from situgraph.coupling.deviations import find_deviations
 from situgraph.coupling.evidence import Evidence, from_scene
+from situgraph.coupling.lines import WallLines
+from situgraph.coupling.readings import Reading, readings
 from situgraph.coupling.trajectory import Carrier
 from situgraph.coupling.walls import walls
 from situgraph.geometry.poses import Array, Placement
@@ -43,6 +45,7 @@ class Located:
         rooms: online room -> planned room, also those that were associated by their place.
         planes: pairs of an online plane and a planned face, likewise; either may occur twice.
         coupled: the solution of both graphs.
+        readings: the placements that cannot be told apart; the first one is taken.
         carrier: takes poses and points of the map to the building.
     """
 
@@ -54,9 +57,11 @@ class Located:
         pairs: Pairs,
         planes: tuple[tuple[str, str], ...],
         looked_for: Collection[str] | None,
+        found: tuple[Reading, ...],
         config: CouplingConfig,
     ) -> None:
         """``planes`` as associated; ``looked_for``: categories that the robot would have seen."""
+        self.readings = found
         self.coupled = coupled
         self.rooms, self.planes = pairs.rooms, planes
         self.carrier = Carrier(online.keyframes, coupled.frames, coupled.building_T_map)
@@ -97,6 +102,17 @@ class Located:
             "building_T_map": m.tolist(),
             "rooms": dict(self.rooms),
             "rms": self.coupled.rms,
+            "readings": [
+                {
+                    "x": r.placement.x,
+                    "y": r.placement.y,
+                    "z": r.placement.z,
+                    "yaw": r.placement.yaw,
+                    "cost": r.cost,
+                    "moved_walls_of": list(r.moved),
+                }
+                for r in self.readings
+            ],
             "walls": [
                 {
                     "online": w.online,
@@ -120,6 +136,8 @@ def locate(
     *,
     evidence: Evidence | None = None,
     looked_for: Collection[str] | None = None,
+    lines: WallLines | None = None,
+    found: tuple[Reading, ...] = (),
     config: CouplingConfig | None = None,
 ) -> Located:
     """Couple both graphs as a match says, and associate what the match left out.
@@ -131,13 +149,23 @@ def locate(
         evidence: the factors behind ``online``; None takes its planes as measured one by one.
         looked_for: categories of objects that the robot would have seen; only those can be
             missing or extra. None: those that ``online`` has.
+        lines: the walls of ``prior``, where they are known already.
+        found: the readings near the placement of ``pairs``, likewise.
         config: settings.
     """
     settings = config or CouplingConfig()
     known = from_scene(online, settings) if evidence is None else evidence
-    placement, planes = pairs.placement, tuple(sorted(pairs.planes.items()))
+    lines = lines or WallLines(prior)
+    found = found or readings(online, prior, pairs.placement, pairs.storeys, lines, settings)
+    if math.hypot(*found[0].shift) > settings.reading_apart:
+        # What the match paired is right where the match lies; elsewhere the place decides.
+        pairs = Pairs(found[0].placement, {}, {}, {}, pairs.storeys)
+    placement, planes = found[0].placement, tuple(sorted(pairs.planes.items()))
     for _ in range(ROUNDS):
-        faces = walls(online, prior, planes, placement)
+        planes = planes or associate_planes(
+            online, prior, placement, pairs.storeys, pairs.planes, settings
+        )
+        faces = walls(online, prior, planes, placement, lines)
         coupled = couple(known, faces, placement, settings)
         placement = coupled.placement
         before = planes
@@ -145,10 +173,10 @@ def locate(
         if planes == before:
             break
     else:
-        coupled = couple(known, walls(online, prior, planes, placement), placement, settings)
+        coupled = couple(known, walls(online, prior, planes, placement, lines), placement, settings)
     rooms = associate_rooms(online, prior, placement, pairs.storeys, pairs.rooms, settings)
-    found = Pairs(placement, rooms, pairs.planes, pairs.objects, pairs.storeys)
-    return Located(online, prior, coupled, found, planes, looked_for, settings)
+    final = Pairs(placement, rooms, pairs.planes, pairs.objects, pairs.storeys)
+    return Located(online, prior, coupled, final, planes, looked_for, found, settings)
 
 
 def _carried(online: SceneGraph, coupled: Coupled, carrier: Carrier) -> SceneGraph:

@@ -1,8 +1,8 @@
 """Where the estimate starts: the placement under which most walls stand where they were planned.
 
 The kernels of the factor graph forget a wall that is far off, so they keep what they start with.
-The match's placement is a compromise between walls that moved and walls that did not; from it the
-few could win. Each two walls that are not parallel propose a placement, and the one is taken under
+The placement that the readings give may be a compromise between walls that moved and walls that did
+not. Each two walls that are not parallel propose a placement near it, and the one is taken under
 which the walls together deviate least, by the same kernel, wall by wall.
 """
 
@@ -22,14 +22,18 @@ MOST = 60  # walls that propose, so that large maps take no longer
 
 
 def settled(
-    parts: Sequence[Sequence[Wall]], planes: Mapping[str, Array], placement: Placement
+    parts: Sequence[Sequence[Wall]],
+    planes: Mapping[str, Array],
+    placement: Placement,
+    reach: float,
 ) -> Placement:
-    """A better placement, near the given one.
+    """A better placement, within ``reach`` m of the given one: farther away is another reading.
 
     Args:
         parts: the faces of each wall.
         planes: online planes (4,) n, d in the map.
-        placement: the match's, map to building.
+        placement: map to building.
+        reach: m.
     """
     first = [wall[0] for wall in parts]
     if not first:
@@ -47,6 +51,7 @@ def settled(
             if abs(float(np.linalg.det(pair))) > PARALLEL:
                 proposals.append(np.linalg.solve(pair, shifts[[i, j]]))
     moves = np.array(proposals)
+    moves = moves[np.hypot(*moves.T) <= reach]
     rest = shifts[None, :] - moves @ normals.T
     cost = np.log1p((rest / SCALE) ** 2).sum(axis=1)
     x, y = moves[int(cost.argmin())].tolist()

@@ -1,5 +1,8 @@
 """Located or not: a match is adopted when it is unique, examined with every new room, withdrawn.
 
+A match that is unique may still have several readings: which wall was moved, which was not. It is
+adopted then, and in doubt.
+
 The S-Graph and its factor graph never depend on the match, so a match that is withdrawn leaves
 nothing behind: the next one starts from the same map.
 """
@@ -14,7 +17,9 @@ import numpy as np
 
 from situgraph.coupling.association import associate_planes, associate_rooms
 from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.lines import WallLines
 from situgraph.coupling.located import Pairs
+from situgraph.coupling.readings import Reading, doubt, readings
 from situgraph.geometry.poses import Array, Placement, wrap_angle
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.result import MatchResult
@@ -48,6 +53,9 @@ class Locator:
         pairs: the adopted solution; None while there is none.
         result: the last match.
         events: all that happened, in order.
+        lines: the walls of the plan.
+        readings: the placements near the adopted one that cannot be told apart, the best first;
+            none while nothing is adopted.
     """
 
     def __init__(
@@ -66,6 +74,8 @@ class Locator:
         self.pairs: Pairs | None = None
         self.result: MatchResult | None = None
         self.events: list[Event] = []
+        self.lines = WallLines(prior)
+        self.readings: tuple[Reading, ...] = ()
 
     @property
     def located(self) -> bool:
@@ -82,33 +92,39 @@ class Locator:
         """Examine the graph as it is now (map frame); returns the match."""
         result = self._matcher.update(online)
         self.result = result
-        if self.pairs is not None:
-            self._examine(online, result, stamp)
+        why = None if self.pairs is None else self._examine(online, result, stamp)
         if self.pairs is None and result.unique and result.best is not None:
-            self.pairs = pairs_of(result.best)
+            self.pairs, why = pairs_of(result.best), None
             self._sure = True
             self._note(stamp, online, "located", result.reason)
+        self.readings = () if self.pairs is None else self._read(online, self.pairs)
+        if len(self.readings) > 1:
+            why = why or doubt(self.readings, self._prior)
+        if self.pairs is not None and self._sure is not (why is None):
+            self._sure = why is None
+            happening: Happening = "confirmed" if why is None else "doubted"
+            self._note(stamp, online, happening, why or result.reason)
         return result
 
-    def _examine(self, online: SceneGraph, result: MatchResult, stamp: float) -> None:
-        """Does the adopted match still hold?"""
+    def _read(self, online: SceneGraph, pairs: Pairs) -> tuple[Reading, ...]:
+        config, lines = self._config, self.lines
+        return readings(online, self._prior, pairs.placement, pairs.storeys, lines, config)
+
+    def _examine(self, online: SceneGraph, result: MatchResult, stamp: float) -> str | None:
+        """Does the adopted match still hold? If so, why it is in doubt; None: it is not."""
         assert self.pairs is not None
         held = self._held(online, result)
         if held is not None and held.probability >= self._config.keep_probability:
             self.pairs = pairs_of(held)
-            if result.unique:
-                self._confirm(stamp, online, result.reason)
-            else:
-                self._doubt(stamp, online, result.reason)
-            return
+            return None if result.unique else result.reason
         if held is None and result.verdict == "none":
             open_rooms = unexplained(online, self._prior, self.pairs, self._config)
             if len(open_rooms) <= self._tolerated(len(online.rooms)):
                 names = ", ".join(open_rooms) or "all of this together"
-                self._doubt(stamp, online, f"nothing in the plan is like {names} at its place")
-                return
+                return f"nothing in the plan is like {names} at its place"
         self.pairs = None
         self._note(stamp, online, "withdrawn", self._why(held, result))
+        return None
 
     def _tolerated(self, rooms: int) -> int:
         """How many rooms may be unexplained before the match goes: one of three and more."""
@@ -126,16 +142,6 @@ class Locator:
                 f"placements: {result.reason}"
             )
         return f"it is not among the {result.count} placements that fit: {result.reason}"
-
-    def _confirm(self, stamp: float, online: SceneGraph, reason: str) -> None:
-        if not self._sure:
-            self._note(stamp, online, "confirmed", reason)
-        self._sure = True
-
-    def _doubt(self, stamp: float, online: SceneGraph, reason: str) -> None:
-        if self._sure:
-            self._note(stamp, online, "doubted", reason)
-        self._sure = False
 
     def _note(self, stamp: float, online: SceneGraph, what: Happening, reason: str) -> None:
         self.events.append(Event(stamp, len(online.rooms), what, reason))

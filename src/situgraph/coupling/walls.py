@@ -9,15 +9,9 @@ from typing import Any
 import numpy as np
 
 from situgraph.coupling.evidence import place_of
+from situgraph.coupling.lines import WallLines
 from situgraph.geometry.poses import Array, Placement
 from situgraph.scenegraph.graph import Plane, SceneGraph
-
-SQUARE = 0.98  # cosine between the normals of the two faces of a wall, sign reversed
-THICKEST = 0.6  # m, from face to face
-SURFACE = 0.03  # m; faces planned within this are in one surface
-BESIDE = 1.0  # m between two faces of a wall, along it
-OVERLAP = 0.2  # m, that the faces of a wall have in common
-STOREY = 1.5  # m; faces farther apart in height are on two storeys
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,24 +20,22 @@ class Wall:
 
     ``frame`` (4, 4) stands in the building on the planned face where it was seen: x along its
     normal into the room, z up. The deviation of the face as built is a motion in this frame: its
-    shift along x and its turn about z can be seen in the face, the rest cannot. ``ends`` (2, 2)
-    are those of the planned face in the plan.
+    shift along x and its turn about z can be seen in the face, the rest cannot. ``line`` is the
+    wall of the plan that the face belongs to (``WallLines``).
     """
 
     online: str
     prior: str
     frame: Array
-    ends: Array
-
-    @property
-    def plane(self) -> Array:
-        """The planned face (4,) n, d in the building."""
-        n = self.frame[:3, 0]
-        return np.array([*n, -n @ self.frame[:3, 3]])
+    line: str
 
 
 def walls(
-    online: SceneGraph, prior: SceneGraph, pairs: Iterable[tuple[str, str]], placement: Placement
+    online: SceneGraph,
+    prior: SceneGraph,
+    pairs: Iterable[tuple[str, str]],
+    placement: Placement,
+    lines: WallLines,
 ) -> tuple[Wall, ...]:
     """The pairs (online id, prior id) that both graphs know, in the order of the online ids."""
     found = []
@@ -52,46 +44,21 @@ def walls(
         if seen is not None and face is not None:
             height = float(placement.points(place_of(online, seen))[2])
             place = _middle(seen, face, prior, placement, height)
-            ends = np.asarray(face.extent or (place[:2], place[:2]), dtype=float)
-            found.append(Wall(name, planned, _frame(face, place), ends))
+            found.append(Wall(name, planned, _frame(face, place), lines.of(planned)))
     return tuple(found)
 
 
 def grouped(walls: Sequence[Wall]) -> list[list[Wall]]:
-    """The faces of each wall: seen as one plane, planned as one, back to back, or in one line."""
+    """The faces of each wall: seen as one plane, or of one wall of the plan."""
     import networkx as nx
 
     graph: Any = nx.Graph()
     graph.add_nodes_from(range(len(walls)))
     for i, one in enumerate(walls):
         for j in range(i):
-            other = walls[j]
-            same = one.online == other.online or one.prior == other.prior
-            if same or _back_to_back(one, other) or _in_line(one, other):
+            if one.online == walls[j].online or one.line == walls[j].line:
                 graph.add_edge(i, j)
     return [[walls[i] for i in sorted(part)] for part in nx.connected_components(graph)]
-
-
-def _back_to_back(one: Wall, other: Wall) -> bool:
-    n, m = one.plane, other.plane
-    if float(n[:3] @ m[:3]) > -SQUARE or abs(one.frame[2, 3] - other.frame[2, 3]) > STOREY:
-        return False
-    behind = -(other.ends @ n[:2] + n[3])
-    along = np.array([-n[1], n[0]])
-    a, b = np.sort(one.ends @ along), np.sort(other.ends @ along)
-    common = float(min(a[1], b[1]) - max(a[0], b[0]))
-    return bool(behind.min() > 0.0 and behind.max() < THICKEST and common > OVERLAP)
-
-
-def _in_line(one: Wall, other: Wall) -> bool:
-    """Whether two faces were planned in one surface, near each other."""
-    n, m = one.plane, other.plane
-    if float(n[:3] @ m[:3]) < SQUARE or abs(one.frame[2, 3] - other.frame[2, 3]) > STOREY:
-        return False
-    along = np.array([-n[1], n[0]])
-    a, b = np.sort(one.ends @ along), np.sort(other.ends @ along)
-    gap = float(max(a[0], b[0]) - min(a[1], b[1]))
-    return bool(np.abs(other.ends @ n[:2] + n[3]).max() < SURFACE and gap < BESIDE)
 
 
 def stretch(
