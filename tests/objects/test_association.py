@@ -86,6 +86,25 @@ def test_memory_is_bounded_by_the_objects_not_by_the_frames() -> None:
     assert len(world._poses) == 1
 
 
+def test_pieces_of_one_frame_do_not_confirm_each_other() -> None:
+    world = ObjectMap()
+    p = pose(0, -2, 0)
+    pieces = [observed(panel(0.0, k), p) for k in range(3)]
+    (track,) = world.add("k0", p, pieces)
+    assert (track.seen, track.frames) == (1, (1,))
+    assert track.score == pytest.approx(0.9)
+    assert world.objects() == ()
+    world.add("k1", p, pieces)
+    assert (track.seen, track.frames) == (2, (1, 2))
+    assert len(world.objects()) == 1
+
+
+def test_a_cluster_has_the_score_of_its_own_mask() -> None:
+    parts = {"door": [(0.5, panel(0.0)), (0.9, panel(3.0))]}
+    scores = {round(o.points[:, 0].mean()): o.score for o in ObjectMap(ONCE).observations(parts)}
+    assert scores == {0: 0.5, 3: 0.9}
+
+
 def test_the_order_of_categories_does_not_matter() -> None:
     parts = {"window": [(0.8, panel(3.0))], "door": [(0.9, panel(0.0)), (0.7, panel(0.3))]}
     world = ObjectMap(ONCE)

@@ -56,3 +56,33 @@ def test_an_empty_mask_and_a_blind_depth_image_give_nothing() -> None:
     assert labelled_clouds(wall(0.0), CAMERA, [blind], CONFIG) == []
     nan = np.full((480, 640), np.nan, dtype=np.float32)
     assert labelled_clouds(nan, CAMERA, [blind], CONFIG) == []
+
+
+def test_the_wall_that_shows_through_a_doorway_is_not_of_the_door() -> None:
+    depth = wall(3.9)  # the next room, seen between the jambs
+    for left in (200, 400):
+        depth[:, left : left + 40] = 1.5
+    (cloud,) = labelled_clouds(
+        depth, CAMERA, [Detection(rectangle(40, 440, 200, 440), "door", 0.9)], CONFIG
+    )
+    assert cloud.points[:, 2].max() < 1.6
+    assert np.ptp(cloud.points[:, 0]) > 0.8  # both jambs
+
+
+def test_the_parts_of_a_mask_that_do_not_touch_are_each_what_they_are() -> None:
+    depth = wall(1.5)
+    depth[:, 320:] = 3.9
+    mask = rectangle(100, 300, 100, 200) | rectangle(100, 300, 400, 500)
+    (cloud,) = labelled_clouds(depth, CAMERA, [Detection(mask, "door", 0.9)], CONFIG)
+    assert set(np.round(cloud.points[:, 2], 1)) == {1.5, 3.9}
+
+
+def test_a_window_is_not_in_what_stands_before_a_far_wall() -> None:
+    depth = wall(6.0)  # farther than depth is used
+    depth[:, :200] = 2.0  # stairs at its side
+    mask = rectangle(150, 300, 200, 400)
+    depth[mask] = 0.0
+    assert labelled_clouds(depth, CAMERA, [Detection(mask, "window", 0.9)], CONFIG) == []
+    depth[depth == 6.0] = 3.0  # near enough: then it is in the wall behind
+    (cloud,) = labelled_clouds(depth, CAMERA, [Detection(mask, "window", 0.9)], CONFIG)
+    assert np.allclose(cloud.points[:, 2], 3.0, atol=0.02)

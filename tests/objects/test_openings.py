@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from tests.objects.world import two_rooms
 
@@ -10,6 +12,7 @@ from situgraph.scenegraph.graph import Object
 
 CONFIG = ObjectsConfig()
 VIEWS = room_views(two_rooms(), CONFIG)
+JAMBS = ((1.5, 1.7), (2.3, 2.5))
 
 
 def panel(x: float, low: float, high: float, bottom: float = 0.0, top: float = 2.1) -> np.ndarray:
@@ -92,3 +95,22 @@ def test_two_doors_that_ran_together_are_parted() -> None:
     hits = np.concatenate([np.full(len(a) + len(b), 20.0), np.full(len(between), 2.0)])
     found = given([Seen(0, "door", np.concatenate([a, b, between]), hits, 20, 20, 18.0)])
     assert np.allclose(sorted(o.center[1] for o in found), (0.95, 3.05), atol=0.06)
+
+
+def test_two_pieces_of_one_frame_are_one_sighting() -> None:
+    jambs = [replace(thing(k, panel(4.0, *y), seen=1), frames=(7,)) for k, y in enumerate(JAMBS)]
+    found = openings(jambs, VIEWS, CONFIG)
+    assert found.given == []
+    assert [o.attributes["seen"] for o in found.weak] == [1]
+    later = replace(jambs[1], frames=(8,))
+    (door,) = openings([jambs[0], later], VIEWS, CONFIG).given
+    assert door.attributes["seen"] == 2
+
+
+def test_what_one_frame_alone_showed_does_not_widen_a_door() -> None:
+    door = thing(0, panel(4.0, 1.5, 2.0), seen=8)
+    speck = panel(4.0, 2.55, 2.65)
+    once, often = (
+        given([door, thing(1, speck, seen=seen)])[0].ellipsoid.axes[0] for seen in (1, 3)
+    )
+    assert once < 0.3 < 0.5 < often

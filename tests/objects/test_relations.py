@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -83,3 +84,14 @@ def test_relations_survive_centres_that_are_off_by_a_fifth_of_a_metre(seed) -> N
     dx, dy = rng.uniform(-0.14, 0.14, 2)
     rooms, planes = relations(two_rooms(), "door", 4.1 + dx, y + dy)
     assert (set(rooms), set(planes)) == ({"a", "b"}, {"a1", "b0"})
+
+
+def test_a_wall_seen_in_scraps_reaches_as_far_as_the_room() -> None:
+    graph = two_rooms(True)
+    scrap = tuple(
+        msgspec.structs.replace(p, extent=((4.0, 0.0), (4.0, 0.6))) if p.id == "a1" else p
+        for p in graph.planes
+    )
+    assert relations(graph.replace(planes=scrap), "door", 4.0, 3.0)[1] == ("a1", "b0")
+    bare = tuple(msgspec.structs.replace(r, footprint=None) for r in graph.rooms)
+    assert relations(graph.replace(planes=scrap, rooms=bare), "door", 4.0, 3.0)[1] == ("b0",)

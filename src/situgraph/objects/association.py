@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ from situgraph.objects.clusters import clusters, pooled, thin
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.relations import TWO_SIDED
 from situgraph.scenegraph.graph import Ellipsoid, Object
+
+FRAMES = 16  # latest frames remembered of each object, to count those that two pieces share
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +37,8 @@ class Observation:
 class Track:
     """One object: its points in the frame of its anchor keyframe, and how often it was seen.
 
-    ``hits`` (n,) counts the frames that saw each point.
+    ``hits`` (n,) counts the frames that saw each point; ``seen`` those that saw any of it, of which
+    ``frames`` are the latest.
     """
 
     number: int
@@ -45,6 +49,7 @@ class Track:
     seen: int = 0
     expected: int = 0
     score: float = 0.0
+    frames: tuple[int, ...] = ()
     center: Array = field(default_factory=lambda: np.zeros(3))
     shape: Array = field(default_factory=lambda: np.eye(3))
 
@@ -67,6 +72,30 @@ def confidence(seen: int, expected: int, score: float) -> float:
     return (1.0 + seen) / (2.0 + max(seen, expected)) * score / seen
 
 
+class Sighted(Protocol):
+    """How often something was ``seen``, the latest of these ``frames``, the sum of its scores."""
+
+    @property
+    def seen(self) -> int: ...  # noqa: D102
+
+    @property
+    def score(self) -> float: ...  # noqa: D102
+
+    @property
+    def frames(self) -> tuple[int, ...]: ...  # noqa: D102
+
+
+def sightings(first: Sighted, second: Sighted) -> tuple[int, float, tuple[int, ...]]:
+    """``seen``, ``score`` and ``frames`` of two that are one thing.
+
+    Its pieces in one frame are one sighting, else they would confirm each other.
+    """
+    both = first.seen + second.seen
+    seen = both - len(set(first.frames) & set(second.frames))
+    frames = tuple(sorted({*first.frames, *second.frames})[-FRAMES:])
+    return seen, (first.score + second.score) * seen / both, frames
+
+
 class ObjectMap:
     """Grows objects from observations; bounded by the objects there are, not by the frames."""
 
@@ -76,6 +105,7 @@ class ObjectMap:
         self._tracks: list[Track] = []
         self._poses: dict[str, Array] = {}
         self._next = 0
+        self._frame = 0
 
     @property
     def tracks(self) -> tuple[Track, ...]:
@@ -90,19 +120,19 @@ class ObjectMap:
         for category in sorted(clouds):
             parts = clouds[category]
             points = thin(np.concatenate([p for _, p in parts]), self.config.voxel)
-            score = max(s for s, _ in parts)
             for group in clusters(points, self.config.cluster_gap, self.config.min_points):
-                found.append(Observation(category, score, group))
+                found.append(Observation(category, _score(group, parts), group))
         return found
 
     def add(self, keyframe: str, pose: Array, observations: Sequence[Observation]) -> list[Track]:
         """Take in what a keyframe at ``pose`` (4, 4) saw; the objects it became, in order."""
         self._poses[keyframe] = np.asarray(pose, dtype=float)
+        self._frame += 1
         became = []
         for observation in observations:
             hits = np.ones(len(observation.points))
             new = Track(self._next, observation.category, keyframe, observation.points, hits)
-            new.seen, new.score = 1, observation.score
+            new.seen, new.score, new.frames = 1, observation.score, (self._frame,)
             self._next += 1
             self._refit(new)
             became.append(self._merge(new))
@@ -183,9 +213,8 @@ class ObjectMap:
             most = np.argsort(-hits, kind="stable")[: self.config.max_object_points]
             points, hits = points[np.sort(most)], hits[np.sort(most)]
         older.points, older.hits = points, hits
-        older.seen += younger.seen
-        older.expected += younger.expected
-        older.score += younger.score
+        older.seen, older.score, older.frames = sightings(older, younger)
+        older.expected = max(older.expected, younger.expected)
         self._refit(older)
 
     def _refit(self, track: Track) -> None:
@@ -198,6 +227,13 @@ class ObjectMap:
     def _forget_poses(self) -> None:
         used = {t.anchor for t in self._tracks}
         self._poses = {k: p for k, p in self._poses.items() if k in used}
+
+
+def _score(group: Array, parts: Sequence[tuple[float, Array]]) -> float:
+    """The best score of the masks (score, points) that a cluster's points (n, 3) came from."""
+    low, high = group.min(axis=0), group.max(axis=0)
+    held = [s for s, p in parts if ((p >= low) & (p <= high)).all(axis=1).any()]
+    return max(held, default=max(s for s, _ in parts))
 
 
 def _grown(shape: Array, by: float) -> Array:

@@ -26,6 +26,7 @@ FLAT = 0.04  # m; points this near a plane lie on it
 WALLS = 3  # planes tried around one window
 OWN_SHARE = 0.05  # of a window's pixels that must have depth for it to be asked
 BEHIND = 0.3  # m; a window whose depth is all farther behind a plane is not in it
+CARRIES = 0.05  # of a mask's points that are the thing itself, not a speck before it
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +74,18 @@ def labelled_clouds(
     )
     clouds = []
     for detection in detections:
-        points = _points(image, detection.mask[::step, ::step], detection.category)
+        mask = detection.mask[::step, ::step]
+        if detection.category in GLASS:
+            points = _points(image, mask, detection.category)
+        else:
+            parts, count = ndimage.label(mask)
+            points = np.concatenate(
+                [np.zeros((0, 3))]
+                + [
+                    _nearest(_points(image, parts == k, detection.category), config)
+                    for k in range(1, count + 1)
+                ]
+            )
         if len(points):
             clouds.append(LabelledCloud(detection.category, detection.score, points))
     return clouds
@@ -126,6 +138,21 @@ def _points(image: _Sparse, whole: NDArray[np.bool_], category: str) -> Array:
     return points
 
 
+def _nearest(points: Array, config: ObjectsConfig) -> Array:
+    """What of a connected mask's points (n, 3) is the thing, and not seen through or past it.
+
+    Frame and leaf are one thing; the wall of the next room that shows between them is farther from
+    the camera by more than a frame is wide, with nothing in between.
+    """
+    order = np.sort(points[:, 2])
+    steps = np.flatnonzero(np.diff(order) > config.frame_width) + 1
+    for part in np.split(order, steps):
+        if len(part) >= max(config.min_points, CARRIES * len(order)):
+            near: Array = points[points[:, 2] <= part[-1]]
+            return near
+    return points
+
+
 def _on_wall(
     rays: Array,
     z: Array,
@@ -137,19 +164,23 @@ def _on_wall(
     """The mask's rays cut with the plane of the wall around it (none if no plane is seen there).
 
     What stands before a window is in the ring too, and so is the wall with the doorway through
-    which it is seen: a plane that all of the window's own depth lies behind is not its wall.
+    which it is seen: a plane that all of the window's own depth lies behind is not its wall, nor is
+    one that more of the ring lies behind than on it, however far that is.
     """
     around = rays[ring & good] * z[ring & good][:, None]
     # Far depth is too noisy to place things, but not to tell what lies behind a wall.
     own, depth = rays[core & (z > 0.0)], z[core & (z > 0.0)]
     if len(depth) < OWN_SHARE * core.sum():  # a patch behind the glass says nothing
         own, depth = own[:0], depth[:0]
+    rim, rim_depth = rays[ring & (z > 0.0)], z[ring & (z > 0.0)]
     for _ in range(WALLS):
         plane = _plane(around)
         if plane is None:
             break
         normal, offset = plane
-        if not len(depth) or float(np.quantile(depth + offset / (own @ normal), 0.1)) < BEHIND:
+        past = not len(depth) or float(np.quantile(_behind(own, depth, plane), 0.1)) < BEHIND
+        on = int((np.abs(around @ normal + offset) < FLAT).sum())
+        if past and on >= int((_behind(rim, rim_depth, plane) > BEHIND).sum()):
             picked = rays[core]
             with np.errstate(divide="ignore"):
                 scale = -offset / (picked @ normal)
@@ -158,6 +189,14 @@ def _on_wall(
             return points
         around = around[np.abs(around @ normal + offset) > 2.0 * FLAT]
     return np.zeros((0, 3))
+
+
+def _behind(rays: Array, depth: Array, plane: tuple[Array, float]) -> Array:
+    """How far (m along the optical axis) what rays (n, 3) of unit depth met lies behind a plane."""
+    normal, offset = plane
+    with np.errstate(divide="ignore"):
+        out: Array = depth + offset / (rays @ normal)
+    return out
 
 
 def _plane(points: Array) -> tuple[Array, float] | None:

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
-from situgraph.objects.association import confidence
+from situgraph.objects.association import confidence, sightings
 from situgraph.objects.config import ObjectsConfig
-from situgraph.objects.relations import RoomView
+from situgraph.objects.relations import RoomView, tangent
 from situgraph.scenegraph.graph import Ellipsoid, Object
 
 BEFORE, BEHIND = 0.15, 0.25  # m; points so near a face, on either side, are of an opening in it
@@ -43,6 +43,7 @@ class Seen:
     seen: int
     expected: int
     score: float
+    frames: tuple[int, ...] = ()  # the latest that saw it
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ class Stretch:
     seen: int
     expected: int
     score: float
+    frames: tuple[int, ...]
 
     @property
     def confidence(self) -> float:
@@ -98,7 +100,7 @@ def openings(
         if met is None:
             found.append(stretch)
         elif found[met].category == stretch.category:
-            found[met] = _united(found[met], stretch, views, config.frame_width)
+            found[met] = _united(found[met], stretch, views, config)
     named = [(key, s) for key, s in _named(found) if _plausible(s, views, config)]
     sure = {key for key, s in named if _seen_enough(s, config)}
     objects = [_object(key, s, views) for key, s in named]
@@ -117,7 +119,7 @@ def _stretches(
     view, face = host
     normal = views[view].normals[face]
     inside = _in_wall(thing.points @ normal + views[view].offsets[face])
-    along = thing.points[inside] @ _tangent(normal)
+    along = thing.points[inside] @ tangent(normal)
     heights, hits = thing.points[inside, 2], thing.hits[inside]
     core = hits >= config.core_share * np.quantile(hits, 0.9)
     if thing.category == "door":
@@ -132,6 +134,7 @@ def _stretches(
             Stretch(
                 thing.category, view, face, float(low), float(high), float(bottom), float(top),
                 float(hits[part].sum()), (thing.number,), thing.seen, thing.expected, thing.score,
+                thing.frames,
             )
         )  # fmt: skip
     return found
@@ -202,15 +205,9 @@ def _in_wall(distance: Array) -> NDArray[np.bool_]:
     return within
 
 
-def _tangent(normal: Array) -> Array:
-    level = np.array([-normal[1], normal[0], 0.0])
-    unit: Array = level / np.linalg.norm(level)
-    return unit
-
-
-def _span(stretch: Stretch, views: tuple[RoomView, ...], tangent: Array) -> tuple[float, float]:
-    """The stretch along another face's tangent."""
-    sign = float(np.sign(_tangent(views[stretch.view].normals[stretch.face]) @ tangent))
+def _span(stretch: Stretch, views: tuple[RoomView, ...], along: Array) -> tuple[float, float]:
+    """The stretch along another face's tangent (3,)."""
+    sign = float(np.sign(tangent(views[stretch.view].normals[stretch.face]) @ along))
     ends = sorted((sign * stretch.low, sign * stretch.high))
     return ends[0], ends[1]
 
@@ -227,7 +224,7 @@ def _same(
     behind = abs(d - e) if facing > 0 else abs(d + e)
     if behind > (BEHIND if facing > 0 else config.wall_thickness):
         return False
-    low, high = _span(second, views, _tangent(n))
+    low, high = _span(second, views, tangent(n))
     if first.category == second.category == "door":
         # Jambs and lintel of one frame, seen at different times: two doors are wider together.
         return max(first.high, high) - min(first.low, low) <= config.frame_width or (
@@ -240,15 +237,17 @@ def _same(
 
 
 def _united(
-    first: Stretch, second: Stretch, views: tuple[RoomView, ...], frame_width: float
+    first: Stretch, second: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig
 ) -> Stretch:
     """Both as one: the stronger one's wall; its bounds give way by the other's share."""
-    low, high = _span(second, views, _tangent(views[first.view].normals[first.face]))
+    low, high = _span(second, views, tangent(views[first.view].normals[first.face]))
     share = second.weight / (first.weight + second.weight)
-    if first.category == "door" and max(first.high, high) - min(first.low, low) <= frame_width:
+    fits = max(first.high, high) - min(first.low, low) <= config.frame_width
+    if first.category == "door" and fits and second.seen >= config.min_seen:
         share = 1.0
+    seen, score, frames = sightings(first, second)
     # A weak sighting often shows a part, so it may widen the opening but never narrow it; what
-    # still fits a door's frame is part of that frame.
+    # still fits a door's frame is part of that frame, if it was seen as often as an object must be.
     return replace(
         first,
         low=first.low + share * min(low - first.low, 0.0),
@@ -257,9 +256,10 @@ def _united(
         top=first.top + share * max(second.top - first.top, 0.0),
         weight=first.weight + second.weight,
         numbers=tuple(sorted({*first.numbers, *second.numbers})),
-        seen=first.seen + second.seen,
+        seen=seen,
         expected=max(first.expected, second.expected),
-        score=first.score + second.score,
+        score=score,
+        frames=frames,
     )
 
 
@@ -297,7 +297,7 @@ def _named(found: list[Stretch]) -> list[tuple[str, Stretch]]:
 def _object(key: str, stretch: Stretch, views: tuple[RoomView, ...]) -> Object:
     view = views[stretch.view]
     normal, offset = view.normals[stretch.face], view.offsets[stretch.face]
-    middle = (stretch.low + stretch.high) / 2.0 * _tangent(normal) - offset * normal
+    middle = (stretch.low + stretch.high) / 2.0 * tangent(normal) - offset * normal
     yaw = math.atan2(normal[1], normal[0]) - math.pi / 2.0
     return Object(
         key,

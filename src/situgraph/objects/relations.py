@@ -39,6 +39,7 @@ class RoomView:
     bottom: float
     top: float
     outline: Any  # shapely polygon of the footprint, None where it is unknown
+    spans: tuple[tuple[float, float] | None, ...]  # of each plane along its wall; None: endless
 
     def sees(self, points: Array, margin: float) -> NDArray[np.bool_]:
         """Which of the points (n, 3) are in the room, up to ``margin`` of the ray behind a wall.
@@ -88,22 +89,20 @@ class RoomView:
             if thin is not None and abs(float(self.normals[i] @ thin)) < ALONG:
                 continue
             foot = point - (distance[i] - STEP) * self.normals[i]
-            if not self._within_extent(int(i), foot, config.extent_margin):
+            span, along = self.spans[i], float(tangent(self.normals[i]) @ foot)
+            margin = config.extent_margin
+            if span is not None and not span[0] - margin <= along <= span[1] + margin:
                 continue
             if self.sees(foot[None], config.visibility_margin)[0]:
                 found.append((float(distance[i]), int(i)))
         return found
 
-    def _within_extent(self, index: int, foot: Array, margin: float) -> bool:
-        extent = self.planes[index].extent
-        if extent is None:
-            return True
-        a, b = np.array(extent)
-        length = float(np.linalg.norm(b - a))
-        if length == 0.0:
-            return True
-        s = float((foot[:2] - a) @ (b - a)) / length
-        return -margin <= s <= length + margin
+
+def tangent(normal: Array) -> Array:
+    """The level unit direction (3,) along a wall with this normal, the room on its left."""
+    level = np.array([-normal[1], normal[0], 0.0])
+    unit: Array = level / max(float(np.linalg.norm(level)), 1e-12)
+    return unit
 
 
 def room_views(graph: SceneGraph, config: ObjectsConfig) -> tuple[RoomView, ...]:
@@ -120,8 +119,31 @@ def room_views(graph: SceneGraph, config: ObjectsConfig) -> tuple[RoomView, ...]
         slack = 0.2 * height
         bottom, top = floor - slack, floor + height + slack
         outline = _outline(room)
-        views.append(RoomView(room, planes, normals, offsets, floor, bottom, top, outline))
+        spans = tuple(_span(p, room) for p in planes)
+        views.append(RoomView(room, planes, normals, offsets, floor, bottom, top, outline, spans))
     return tuple(views)
+
+
+def _span(plane: Plane, room: Room) -> tuple[float, float] | None:
+    """From where to where (m along its wall) a plane bounds a room; None: unknown.
+
+    That is what was seen of it and the sides of the footprint that lie on it: a wall that is mostly
+    door is seen in scraps.
+    """
+    if plane.extent is None:
+        return None
+    normal = np.array(plane.normal)
+    along = tangent(normal)[:2]
+    ends = np.array(plane.extent) @ along
+    if ends[0] == ends[1]:
+        return None
+    held = [float(v) for v in ends]
+    if room.footprint is not None:
+        a = np.array(room.footprint)
+        b = np.roll(a, -1, axis=0)
+        away = np.abs(np.stack([a, b]) @ normal[:2] + plane.offset).max(axis=0)
+        held += [float(v) for corner in (a, b) for v in corner[away < STEP] @ along]
+    return min(held), max(held)
 
 
 def _outline(room: Room) -> Any:
