@@ -55,6 +55,17 @@ def test_a_moved_copy_is_unique_and_certified() -> None:
     assert best.deviations == ()
 
 
+def test_one_long_wall_moved_rather_than_three_short_ones() -> None:
+    depths = (3.0, 4.0, 5.2)
+    prior = building([(x, 0, w, d) for (x, w), d in zip([(0, 4), (4.2, 5), (9.4, 3.3)], depths)])
+    # Every room has become 35 cm deeper: the wall along all of them, or each one's far wall.
+    built = [(x, -0.35, w, d + 0.35) for (x, w), d in zip([(0, 4), (4.2, 5), (9.4, 3.3)], depths)]
+    result = match(building(built), PlanIndex(prior), semantics="none")
+    assert result.verdict == "unique"
+    assert near(result.solutions[0].transform, Placement())
+    assert {d.plane for d in result.solutions[0].deviations} == {"p0.2", "p1.2", "p2.2"}
+
+
 def test_a_mirror_image_is_never_unique() -> None:
     prior = building(RECTANGLES)
     mirrored = building([(-x - w, y, w, h) for x, y, w, h in RECTANGLES])

@@ -88,6 +88,12 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         float, setting("A plane that is in no plan lies anywhere in this length", "m", _MODEL, gt=0)
     ] = 10.0
     p_moved: Annotated[float, setting("A wall was moved", "1", _MODEL, gt=0, lt=0.5)] = 0.03
+    p_together: Annotated[
+        float, setting("A face moved because its wall did", "1", _MODEL, gt=0, lt=1)
+    ] = 0.9
+    wall_thickness: Annotated[
+        float, setting("Faces on lines this near may be of one wall", "m", _MODEL, ge=0, le=2)
+    ] = 0.5
     p_missing: Annotated[
         float, setting("A seen wall is not planned", "1", _MODEL, gt=0, lt=0.5)
     ] = 0.03

@@ -149,7 +149,7 @@ def _case(
         (Bench, (*[plane_work] * 3, widest, widest + 1, *[widest] * 5, *[plane_work[1]] * 6)),
         (Options, (room_work, room_work, rooms, prior)),
         (Pairing, (*[columns] * 7, *[rooms] * 3)),
-        (Tally, ((seen.planes, 5), seen.planes)),
+        (Tally, ((seen.planes, 8), seen.planes)),
         (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
         (Groups, (rooms + 2, rooms, rooms, rooms)),
         (Found, ((peaks, 4), 5, rooms, (DEPTH, SIDES))),

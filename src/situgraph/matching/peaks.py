@@ -145,7 +145,7 @@ def raised(case, at, height):
     while better:
         better = False
         # Letting a plane go gains at most what all planes that fit pay for their residuals.
-        strained = _strain(case) > limits.fit_peak - limits.moved_base
+        strained = _strain(case) > limits.fit_peak - limits.moved_base - _most_spared(case)
         for i in range(len(view.state)):
             state = view.state[i]
             if state != MOVED and (state != FIT or not strained):
@@ -167,6 +167,16 @@ def raised(case, at, height):
             else:
                 feasible(case, case.one, at)
     return height
+
+
+@part
+def _most_spared(case):
+    """What a plane that is let go spares at most, as its wall has moved."""
+    view, limits = case.one, case.limits
+    for i in range(len(view.state)):
+        if view.state[i] == MOVED:
+            return max(0.0, math.log(limits.together + limits.alone))
+    return 0.0
 
 
 @part

@@ -20,6 +20,7 @@ from situgraph.scenegraph.graph import SceneGraph
 def limits_of(config: MatchingConfig) -> Limits:
     """The constants of the search."""
     peak = (1 - config.p_moved - config.p_missing) * config.clutter_length
+    together = config.p_together * 2 * config.moved_limit / config.p_moved
     return Limits(
         fit=config.plane_offset_tolerance,
         moved=config.moved_limit,
@@ -27,6 +28,10 @@ def limits_of(config: MatchingConfig) -> Limits:
         sine=config.parallel_sine,
         fit_peak=math.log(peak / (math.sqrt(2 * math.pi) * config.plane_sigma)),
         moved_base=math.log(config.p_moved * config.clutter_length / (2 * config.moved_limit)),
+        together=together / (2 * math.sqrt(math.pi) * config.plane_sigma),
+        alone=1 - config.p_together,
+        apart_weight=1 / (4 * config.plane_sigma**2),
+        thickness=config.wall_thickness,
         missing=math.log(config.p_missing),
         missing_shared=math.log(config.p_missing_shared),
         room_true=math.log(1 - config.p_false_room),

@@ -32,6 +32,10 @@ class Limits(NamedTuple):
     sine: float
     fit_peak: float  # log ratio of a plane that fits without residual
     moved_base: float  # log ratio of a moved plane in its direction
+    together: float  # how many times likelier it is when its wall moved as far
+    alone: float  # the probability that it moved by itself even so
+    apart_weight: float  # 1 / (2 sigma^2) of the difference of two such planes
+    thickness: float  # of a wall, at most
     missing: float
     missing_shared: float
     room_true: float
@@ -184,7 +188,8 @@ class Pairing(NamedTuple):
 class Tally(NamedTuple):
     """Sums over the occurrences of each distinct plane."""
 
-    sums: Table  # (planes, 5) fits, their squares: offset, bend; moved, their squares of bend
+    sums: Table  # (planes, 8) fits, their squares: offset, bend; moved, their squares of bend,
+    # sum of their offsets; row of the prior plane, 1 when its wall has been counted
     missing: Ints  # (planes,)
 
 

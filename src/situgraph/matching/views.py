@@ -16,6 +16,8 @@ from situgraph.matching.lookup import find
 from situgraph.matching.pairing import add_option, pair_up
 from situgraph.matching.tables import FIT, MISSING, MOVED
 
+PARALLEL = 0.01  # sine of the angle between the planned faces of one wall, at most
+
 
 @part
 def look(case, spot, yaw, x, y, turn, loose):
@@ -118,7 +120,7 @@ def tally_planes(case, spot):
     seen, tally = case.seen, case.tally
     for p in range(seen.planes):
         tally.missing[p] = 0
-        for k in range(5):
+        for k in range(8):
             tally.sums[p, k] = 0.0
     for i in range(len(view.state)):
         p = seen.plane[i]
@@ -129,6 +131,8 @@ def tally_planes(case, spot):
         elif view.state[i] == MOVED:
             tally.sums[p, 3] += 1
             tally.sums[p, 4] += view.bend[i] * view.bend[i]
+            tally.sums[p, 5] += view.offset[i]
+            tally.sums[p, 6] = view.row[i]
         elif view.state[i] == MISSING:
             tally.missing[p] += 1
 
@@ -153,4 +157,52 @@ def evidence(case, spot):
         total += tally.missing[p] * limits.missing_shared
     for r in range(len(view.room)):
         total += limits.room_true if view.room[r] >= 0 else limits.room_false
+    return total + _moved_together(case)
+
+
+@part
+def _moved_together(case):
+    """What moved planes of one wall spare, which moved as one: a largest spanning forest of them.
+
+    Grown from any plane (Prim), always by the plane whose wall's other planes moved most alike.
+    """
+    seen, tally = case.seen, case.tally
+    left = 0
+    for p in range(seen.planes):
+        left += _is_moved(tally, p)
+    total = 0.0
+    for _ in range(left):
+        best, gain = -1, -1.0
+        for p in range(seen.planes):
+            if not _is_moved(tally, p) or tally.sums[p, 7] > 0:
+                continue
+            if best < 0:
+                best, gain = p, 0.0
+            for q in range(seen.planes):
+                if tally.sums[q, 7] > 0:
+                    spared = _spared(case, p, q)
+                    if spared > gain:
+                        best, gain = p, spared
+        tally.sums[best, 7] = 1.0
+        total += gain
     return total
+
+
+@part
+def _is_moved(tally, p):
+    return tally.sums[p, 0] == 0 and tally.sums[p, 3] > 0
+
+
+@part
+def _spared(case, p, q):
+    """Ln of how much likelier moved plane ``p`` is beside moved plane ``q``; 0 unless one wall."""
+    plan, limits, tally = case.plan, case.limits, case.tally
+    one, two = plan.row[int(tally.sums[p, 6])], plan.row[int(tally.sums[q, 6])]
+    if abs(one[0] * two[1] - one[1] * two[0]) > PARALLEL:
+        return 0.0
+    side = 1.0 if one[0] * two[0] + one[1] * two[1] > 0 else -1.0
+    if abs(one[2] - side * two[2]) > limits.thickness:
+        return 0.0
+    apart = tally.sums[p, 5] / tally.sums[p, 3] - side * tally.sums[q, 5] / tally.sums[q, 3]
+    likelier = limits.together * math.exp(-apart * apart * limits.apart_weight) + limits.alone
+    return math.log(likelier) if likelier > 1.0 else 0.0

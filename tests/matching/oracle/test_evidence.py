@@ -20,6 +20,8 @@ HERE = Placement()
 FITS = math.log(0.94 * 10 / (math.sqrt(2 * math.pi) * 0.06))
 MOVES = math.log(0.03 * 10 / 0.8)
 SEEN = math.log(0.9)
+# The density of the difference of two faces against anywhere in 0.8 m.
+TOGETHER = math.log(0.9 * 0.8 / 0.03 / (math.sqrt(4 * math.pi) * 0.06) + 0.1)
 
 
 def wall(graph: SceneGraph, name: str, **changes: object) -> SceneGraph:
@@ -97,6 +99,21 @@ def test_a_shared_wall_counts_once() -> None:
     shared = online.replace(rooms=tuple(rooms))
     case = problem(shared, grid(1, 2))
     assert wall_evidence(case, explained_at(case, HERE)) == pytest.approx(7 * FITS + 2 * SEEN)
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "spared"),
+    [
+        (("e0-0", 4.3), ("w0-1", -4.5), TOGETHER),  # the wall between both rooms
+        (("e0-0", 4.3), ("w0-1", -3.9), 0.0),  # its faces moved opposite ways
+        (("w0-0", 0.3), ("w0-1", -3.9), 0.0),  # two walls
+    ],
+)
+def test_a_wall_moves_as_one(one: tuple[str, float], two: tuple[str, float], spared: float) -> None:
+    plan = wall(wall(grid(1, 2), one[0], offset=one[1]), two[0], offset=two[1])
+    case = problem(grid(1, 2), plan)
+    total = wall_evidence(case, explained_at(case, HERE))
+    assert total == pytest.approx(6 * FITS + 2 * MOVES + spared + 2 * SEEN)
 
 
 def test_rooms_are_paired_for_number_first_and_score_after() -> None:

@@ -25,6 +25,9 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     angle_sigma: float = math.radians(2)
     continuous: bool = False
     p_moved: float = 0.03
+    p_together: float = 0.9
+    wall_thickness: float = 0.5
+    wall_sine: float = 0.01
     p_missing: float = 0.03
     p_missing_shared: float = 0.1
     p_false_room: float = 0.1

@@ -16,6 +16,7 @@ from situgraph.experiments.oracle.explained import (
     fit_term,
     moved_term,
 )
+from situgraph.experiments.oracle.moved_walls import moved_together
 from situgraph.experiments.oracle.objects import most_object_evidence, object_evidence
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.experiments.oracle.regions import Regions
@@ -25,10 +26,16 @@ def wall_evidence(problem: Problem, seen: View) -> float:
     """Section 4 without objects: the distinct planes of the explained rooms, and the rooms."""
     c = problem.constants
     occurrences: dict[str, list[PlanePair]] = defaultdict(list)
+    moved: dict[str, list[tuple[int, PlanePair]]] = defaultdict(list)
     for pair in seen.pairs:
         for plane in pair.planes:
-            occurrences[problem.seen[pair.r].planes[plane.i]].append(plane)
+            name = problem.seen[pair.r].planes[plane.i]
+            occurrences[name].append(plane)
+            if plane.state == MOVED:
+                moved[name].append((pair.a, plane))
     total = sum(_plane_term(problem, found) for found in occurrences.values())
+    fits = {name for name, found in occurrences.items() if any(p.state == FIT for p in found)}
+    total += moved_together(problem, [found for name, found in moved.items() if name not in fits])
     explained = len(seen.pairs)
     return (
         total
