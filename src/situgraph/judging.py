@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 RIGHT_DISTANCE = 0.3  # m at the mean room centre, as 'the same candidate' (DESIGN section 1)
 RIGHT_ANGLE = math.radians(10.0)
+SAME_HEIGHT = 0.8  # m (DESIGN section 1, 'candidate')
 VISIT = 2.0  # s; rooms only touched at their doors are not counted as visited
 
 
@@ -112,6 +113,39 @@ def building_errors(stamps: Array, poses: Array, truth: Truth) -> Array:
     """Distances (n,) in metres of poses (n, 7) in the building from the truth; nothing aligned."""
     i, j = associated(truth.stamps, stamps, 0.02)
     return np.asarray(np.linalg.norm(poses[j, :3] - truth.poses[i, :3], axis=1))
+
+
+def outcome(system: Pipeline, truth: Truth) -> dict[str, Any]:
+    """What became of a run, and how far (m) its placement is off at the middle of the rooms seen.
+
+    ``outcome`` is ``right``; ``wrong``, where the system was sure; ``ambiguous``, where several
+    placements are left (of a match, or of the walls: then the true one among them); ``never``.
+    ``placement_error_m`` is that of the map coupled with the plan, ``match_error_m`` the match's;
+    ``readings`` are the placements that the walls allow, ``readings_apart_m`` how far they lie
+    apart.
+    """
+    from situgraph.coupling import spread
+
+    pairs = None if system.locator is None else system.locator.pairs
+    if pairs is None or system.located is None:
+        several = system.result is not None and system.result.verdict == "ambiguous"
+        return {"outcome": "ambiguous" if several else "never", "placement_error_m": None}
+    middle = np.mean([r.center for r in system.graph.rooms], axis=0)
+    at = system.located.placement
+    error, turn = apart(at, truth.building_T_map, middle)
+    storey = abs(at.z - truth.building_T_map.z) <= SAME_HEIGHT
+    right = error <= RIGHT_DISTANCE and turn <= RIGHT_ANGLE and storey
+    told = any(
+        apart(r.placement, truth.building_T_map, middle)[0] <= RIGHT_DISTANCE
+        for r in system.located.readings[1:]
+    )
+    return {
+        "outcome": "right" if right else "ambiguous" if told else "wrong",
+        "placement_error_m": error,
+        "match_error_m": apart(pairs.placement, truth.building_T_map, middle)[0],
+        "readings": len(system.located.readings),
+        "readings_apart_m": spread(system.located.readings),
+    }
 
 
 def _placement(

@@ -7,12 +7,12 @@ import pytest
 from situgraph.experiments import localization, system
 
 LOCATED = {
-    "building": "six rooms", "verdict": "unique", "right": True, "located_s": 4.0, "realtime": 2.0,
-    "ate_slam_m": 0.005, "ate_building_m": 0.01, "ate_match_only_m": 0.02, "moved_seen": 2,
-    "moved_told": 1, "invented": 0, "deviation_errors_m": [-0.004],
+    "building": "six rooms", "verdict": "unique", "outcome": "right", "located_s": 4.0,
+    "realtime": 2.0, "ate_slam_m": 0.005, "ate_building_m": 0.01, "ate_match_only_m": 0.02,
+    "moved_seen": 2, "moved_told": 1, "invented": 0, "deviation_errors_m": [-0.004],
 }  # fmt: skip
-LOST = {"building": "corridor of 30 m", "verdict": "ambiguous", "right": True, "located_s": None,
-        "realtime": 3.0, "ate_slam_m": 0.03}  # fmt: skip
+LOST = {"building": "corridor of 30 m", "verdict": "ambiguous", "outcome": "ambiguous",
+        "located_s": None, "realtime": 3.0, "ate_slam_m": 0.03}  # fmt: skip
 
 
 def test_localization_by_building_and_over_all() -> None:
@@ -23,6 +23,7 @@ def test_localization_by_building_and_over_all() -> None:
     assert summary["corridor of 30 m"]["located"] == 0
     assert summary["corridor of 30 m"]["ate_building_m"]["median"] is None
     assert (summary["all"]["drives"], summary["all"]["wrong"]) == (2, 0)
+    assert summary["corridor of 30 m"]["ambiguous"] == 1
 
 
 def test_system_counts_what_became_of_the_runs() -> None:

@@ -109,7 +109,7 @@ class Located:
                     "z": r.placement.z,
                     "yaw": r.placement.yaw,
                     "cost": r.cost,
-                    "moved_walls_of": list(r.moved),
+                    "moved_walls": list(r.moved),
                 }
                 for r in self.readings
             ],

@@ -57,19 +57,18 @@ class FaceOptions:
     def __init__(
         self,
         online: SceneGraph,
-        prior: SceneGraph,
         placement: Placement,
         storeys: Mapping[str, str],
         lines: WallLines,
         config: CouplingConfig,
     ) -> None:
         """Find them; ``placement`` is map to building, ``storeys`` online -> planned."""
-        self._config, self._prior, self._lines = config, prior, lines
+        self._config, self._lines = config, lines
         found = [
             option
             for plane in online.planes
             if plane.extent is not None and online.rooms_by_plane.get(plane.id)
-            for option in [_options(online, prior, plane, placement, storeys, lines, config)]
+            for option in [_options(online, plane, placement, storeys, lines, config)]
             if len(option)
         ]
         self.count = len(found)
@@ -115,13 +114,12 @@ class FaceOptions:
         return np.array(found).reshape(-1, 2)
 
     def moved(self, move: Array, near: float) -> tuple[str, ...]:
-        """Planned rooms whose walls stand farther than ``near`` m away after a shift (2,)."""
-        away, _, chosen = self._chosen(move[None])
-        rooms: dict[str, None] = {}
-        for k in np.flatnonzero((np.abs(away[0]) > near) & np.isfinite(away[0])).tolist():
-            name = self._lines.names[self._face[k, chosen[0, k]]]
-            rooms.update(dict.fromkeys(self._prior.rooms_by_plane.get(name, ())))
-        return tuple(rooms)
+        """Planned faces, one of each wall, farther than ``near`` m away after a shift (2,)."""
+        away, wall, chosen = self._chosen(move[None])
+        faces: dict[int, str] = {}
+        for k in np.flatnonzero(np.abs(away[0]) > near).tolist():
+            faces.setdefault(int(wall[0, k]), self._lines.names[self._face[k, chosen[0, k]]])
+        return tuple(faces.values())
 
     def _chosen(self, moves: Array) -> tuple[Array, Array, Array]:
         """Of each face its nearest option after each shift (p, 2).
@@ -170,7 +168,6 @@ class FaceOptions:
 
 def _options(
     online: SceneGraph,
-    prior: SceneGraph,
     plane: Plane,
     placement: Placement,
     storeys: Mapping[str, str],

@@ -17,6 +17,7 @@ import numpy as np
 
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.deviation import names_of
+from situgraph.coupling.evidence import place_of
 from situgraph.coupling.lines import WallLines
 from situgraph.coupling.reading_options import FaceOptions, ObjectOptions, median_turn
 from situgraph.geometry.poses import Array, Placement
@@ -34,7 +35,7 @@ class Reading:
     """A placement and what speaks against it.
 
     ``cost`` is the negative log likelihood (nats, against everything in its place); ``moved`` are
-    the rooms of the plan whose walls were moved if it is right; ``shift`` (m) is where the rooms
+    planned faces, one of each wall that was moved if it is right; ``shift`` (m) is where the rooms
     lie then against where the match puts them.
     """
 
@@ -66,7 +67,7 @@ def readings(
         config: how far to look, and how walls and objects are weighed.
     """
     placement = median_turn(online, placement, lines, config)
-    faces = FaceOptions(online, prior, placement, storeys, lines, config)
+    faces = FaceOptions(online, placement, storeys, lines, config)
     objects = ObjectOptions(online, prior, placement, config)
     if not faces.count:
         return (Reading(placement),)
@@ -105,13 +106,19 @@ def doubt(found: Sequence[Reading], prior: SceneGraph) -> str:
     said = []
     for one in found[:3]:
         odds = "" if one is found[0] else f" (1:{math.exp(one.cost - best):.0f})"
-        walls = f"walls of {names_of(prior, one.moved)} were moved" if one.moved else "none was"
-        said.append(walls + odds)
+        walls = " and ".join(_wall(name, prior) for name in one.moved[:3])
+        said.append((f"moved is {walls}" if walls else "no wall was moved") + odds)
     more = "" if len(found) <= 3 else f", and {len(found) - 3} more"
     return (
         f"the walls have {len(found)} readings up to {spread(found):.2f} m apart: "
         f"{', or '.join(said)}{more}"
     )
+
+
+def _wall(name: str, prior: SceneGraph) -> str:
+    x, y, _ = place_of(prior, prior.plane_by_id[name])
+    rooms = names_of(prior, prior.rooms_by_plane.get(name, ()))
+    return f"the wall of {rooms} at ({x:.1f}, {y:.1f})"
 
 
 def _proposals(faces: FaceOptions, config: CouplingConfig) -> Array:

@@ -41,7 +41,6 @@ BAG = "Institute, ROS 2 bag"
 INSTITUTE, STOREY = "ifc/AC11-Institute-Var-2-IFC.ifc", "Erdgeschoss"
 SEES = ("network", "none")
 WALKS = 5  # tries to draw rooms that can all be reached
-SAME_HEIGHT = 0.8  # m (DESIGN section 1, 'candidate')
 
 
 def run(options: RunOptions) -> ExperimentResult:
@@ -72,13 +71,13 @@ def run(options: RunOptions) -> ExperimentResult:
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One run."""
     from situgraph.experiments.slam import peak_mb, reset_peak
+    from situgraph.judging import outcome
 
     reset_peak()
     done, system, truth = _bag(task) if task["building"] == BAG else _drawn(task)
-    judged = _judged(system, truth)
     return {
         **task,
-        **judged,
+        **outcome(system, truth),
         "located_s": done.located_at,
         "duration": done.duration,
         "rooms": done.rooms,
@@ -155,38 +154,6 @@ def _run(recording: Recording, settings: Any, plan: SceneGraph, detector: Any) -
     from situgraph.run import run_log
 
     return run_log(recording, settings, plan=plan, detector=detector)
-
-
-def _judged(system: Pipeline, truth: Truth) -> dict[str, Any]:
-    """What became of it, and how far (m) the placement is off at the middle of the rooms seen.
-
-    ``placement_error_m`` is that of the map coupled with the plan, ``match_error_m`` the match's;
-    ``readings`` are the placements that the walls allow, ``readings_apart_m`` how far they lie
-    apart.
-    """
-    from situgraph.coupling import spread
-    from situgraph.judging import RIGHT_ANGLE, RIGHT_DISTANCE, apart
-
-    pairs = None if system.locator is None else system.locator.pairs
-    if pairs is None or system.located is None:
-        several = system.result is not None and system.result.verdict == "ambiguous"
-        return {"outcome": "ambiguous" if several else "never", "placement_error_m": None}
-    middle = np.mean([r.center for r in system.graph.rooms], axis=0)
-    at = system.located.placement
-    error, turn = apart(at, truth.building_T_map, middle)
-    storey = abs(at.z - truth.building_T_map.z) <= SAME_HEIGHT
-    right = error <= RIGHT_DISTANCE and turn <= RIGHT_ANGLE and storey
-    told = any(
-        apart(r.placement, truth.building_T_map, middle)[0] <= RIGHT_DISTANCE
-        for r in system.located.readings[1:]
-    )
-    return {
-        "outcome": "right" if right else "ambiguous" if told else "wrong",
-        "placement_error_m": error,
-        "match_error_m": apart(pairs.placement, truth.building_T_map, middle)[0],
-        "readings": len(system.located.readings),
-        "readings_apart_m": spread(system.located.readings),
-    }
 
 
 def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
