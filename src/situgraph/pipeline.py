@@ -22,8 +22,10 @@ from situgraph.coupling import Located, Locator, from_slam, locate, spread
 from situgraph.geometry.poses import Array, pose_to_matrix
 from situgraph.matching import Matcher, PlanIndex
 from situgraph.objects.detections import Camera, Detector
+from situgraph.objects.gaps import WallGap
 from situgraph.objects.stage import ObjectStage, View
 from situgraph.scenegraph.graph import SceneGraph, Warning
+from situgraph.slam.gaps import doorways, without_leaves
 from situgraph.slam.keyframes import Keyframe
 from situgraph.slam.notices import Notices
 from situgraph.slam.odometry import ScanOdometry
@@ -213,7 +215,8 @@ class Pipeline:
             self._matched = seen
             with self._timed("graph out"):
                 self._move_objects()
-                self.graph = self.objects.annotated(self.slam.scene_graph(), self.slam.places())
+                graph = self.slam.scene_graph()
+                self.graph = self.objects.annotated(graph, self.slam.places(), self._gaps())
             if self.locator is not None and self.graph.rooms:
                 with self._timed("matching"):
                     self.result = self.locator.update(self.graph, keyframe.stamp)
@@ -252,6 +255,15 @@ class Pipeline:
 
     def _objects(self) -> tuple[tuple[int, str], ...]:
         return tuple((track.number, node.category) for track, node in self.objects.map.nodes())
+
+    def _gaps(self) -> list[WallGap]:
+        """Where the LiDAR saw openings in the walls of each storey."""
+        c, found = self.settings.slam, []
+        for storey in self.slam.storeys.storeys:
+            walls = [p for p in self.slam.planes.on(storey.number) if p.certain(c.map)]
+            openings = doorways(without_leaves(walls, c.rooms), c.rooms)
+            found += [WallGap(gap.ends, storey.elevation) for gap in openings]
+        return found
 
     def _move_objects(self) -> None:
         """Objects follow the keyframes that saw them, once these moved by enough."""

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from tests.objects.world import two_rooms
 
 from situgraph.objects.doorways import doorways
+from situgraph.scenegraph.graph import Plane, Room, SceneGraph, Storey
 
 
 @pytest.mark.parametrize("footprint", [False, True])
@@ -47,3 +48,16 @@ def test_the_place_is_where_the_segment_meets_the_wall(y, slope) -> None:
     a, b = np.array([3.6, y - 0.5 * slope, 0.5]), np.array([4.6, y + 0.5 * slope, 0.5])
     (door,) = doorways(np.array([a, b]), two_rooms(True))
     assert np.allclose(door.center[:2], (4.1, y), atol=1e-6)
+
+
+def test_round_a_walls_end_into_the_same_room_is_no_doorway() -> None:
+    corners = ((0, 0), (5, 0), (5, 2), (2, 2), (2, 2.2), (5, 2.2), (5, 5), (0, 5))
+    stub = (
+        Plane("low", (0.0, -1.0, 0.0), 2.0, ((5.0, 2.0), (2.0, 2.0))),
+        Plane("high", (0.0, 1.0, 0.0), -2.2, ((2.0, 2.2), (5.0, 2.2))),
+    )
+    room = Room("u", (1.0, 2.5, 1.4), ("low", "high"), "s0", footprint=corners)
+    storeys = (Storey("s0", height=2.8),)
+    graph = SceneGraph(kind="online", storeys=storeys, rooms=(room,), planes=stub)
+    path = np.array([[2.05, 1.5, 0.5], [2.05, 2.1, 0.5], [2.05, 2.6, 0.5]])
+    assert doorways(path, graph) == ()

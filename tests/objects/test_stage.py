@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 from tests.objects.world import two_rooms
 
@@ -74,18 +75,33 @@ def test_one_sighting_alone_is_no_object() -> None:
     assert len(stage.annotated(two_rooms(), np.zeros((0, 3))).objects) == 1
 
 
-def test_a_gap_confirms_a_door_that_was_seen_once_and_is_none_alone() -> None:
-    gap = WallGap("a1", np.array([[4.0, 1.6], [4.0, 2.4]]))
+def test_a_gap_confirms_a_door_and_makes_none() -> None:
+    gap = WallGap(np.array([[4.2, 2.4], [4.2, 1.6]]), 0.0)
     nowhere = np.zeros((0, 3))
     stage = ObjectStage(Painted())
-    assert stage.annotated(two_rooms(), nowhere, [gap]).objects == ()
     stage.feed(view("k0", 1.5, 2.0, 0.0))
-    assert stage.annotated(two_rooms(), nowhere).objects == ()
+    assert stage.annotated(two_rooms(), nowhere, [gap]).objects == ()
+    stage.feed(view("k1", 1.5, 2.1, 0.0))
+    (bare,) = stage.annotated(two_rooms(), nowhere).objects
     (door,) = stage.annotated(two_rooms(), nowhere, [gap]).objects
     assert door.attributes["evidence"] == "vision,gap"
-    assert set(door.rooms) == {"a", "b"}
-    elsewhere = WallGap("a3", np.array([[1.0, 5.0], [2.0, 5.0]]))
-    assert stage.annotated(two_rooms(), nowhere, [elsewhere]).objects == ()
+    assert msgspec.structs.replace(door, attributes=bare.attributes) == bare
+    elsewhere = (
+        WallGap(np.array([[1.0, 5.0], [2.0, 5.0]]), 0.0),  # another wall
+        WallGap(np.array([[4.0, 4.0], [4.0, 5.0]]), 0.0),  # another place
+        WallGap(np.array([[3.6, 2.0], [4.4, 2.0]]), 0.0),  # across the wall
+        WallGap(np.array([[4.2, 2.4], [4.2, 1.6]]), 3.2),  # another storey
+    )
+    assert stage.annotated(two_rooms(), nowhere, elsewhere).objects == (bare,)
+
+
+def test_a_door_seen_once_is_one_where_the_robot_passed() -> None:
+    stage = ObjectStage(Painted())
+    stage.feed(view("k0", 1.5, 2.0, 0.0))
+    gap = WallGap(np.array([[4.0, 1.6], [4.0, 2.4]]), 0.0)
+    path = np.array([[2.0, 2.1, 0.5], [6.0, 2.1, 0.5]])
+    (door,) = stage.annotated(two_rooms(), path, [gap]).objects
+    assert door.attributes["evidence"] == "vision,trajectory,gap"
 
 
 def test_without_a_camera_doorways_are_still_found() -> None:

@@ -39,7 +39,7 @@ from situgraph.scenegraph.transform import transformed
 from situgraph.sim.simulation import Simulation
 from situgraph.sim.truth import Truth
 
-REVISION = 6
+REVISION = 7
 DATA = "../shared/data"
 SIX = "six rooms"
 BUILDINGS = {"FZK-Haus": "ifc/AC20-FZK-Haus.ifc", "LargeBuilding": "ifc/bimwhale_LargeBuilding.ifc"}
@@ -108,7 +108,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     asked = asked_for(drive.truth)
     found: dict[str, Any] = {}
     for stage, detector in zip(stages.all, watched):
-        graph = stage.annotated(system.slam.scene_graph(), system.slam.places())
+        graph = stage.annotated(system.slam.scene_graph(), system.slam.places(), stages.gaps)
         found[detector.name] = {
             "objects": counts(_asked(graph.objects), truth.objects, asked, CATEGORIES),
             "camera": counts(_asked(_by_camera(graph)), truth.objects, asked, CATEGORIES),
@@ -159,6 +159,7 @@ class Stages(ObjectStage):
         others = [ObjectStage(d) for d in detectors[1:]]
         self.all: list[ObjectStage] = [ObjectStage(detectors[0]), *others]
         self.map = self.all[0].map
+        self.gaps: Sequence[WallGap] = ()
         self.seconds: dict[str, list[float]] = {d.name: [] for d in detectors}
 
     def feed(self, view: View) -> int:
@@ -175,6 +176,7 @@ class Stages(ObjectStage):
         self, graph: SceneGraph, path: NDArray[np.float64], gaps: Sequence[WallGap] = ()
     ) -> SceneGraph:
         """The bare graph: objects are asked for once, at the end, from each stage."""
+        self.gaps = gaps
         return graph
 
     def correct(self, poses: Mapping[str, NDArray[np.float64]]) -> None:

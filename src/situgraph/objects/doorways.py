@@ -49,7 +49,8 @@ def doorways(
                 break
         else:
             merged.append([crossing])
-    return tuple(_doorway(k, group, views, config) for k, group in enumerate(merged))
+    through = [group for group in merged if not _around(group)]
+    return tuple(_doorway(k, group, views, config) for k, group in enumerate(through))
 
 
 def _crossings(path: Array, views: tuple[RoomView, ...]) -> list[Crossing]:
@@ -96,6 +97,11 @@ def _same(
     across = abs(float(apart @ n0))
     along = float(np.linalg.norm(apart[:2] - (apart @ n0) * n0[:2]))
     return along < config.doorway_merge and across < config.wall_thickness
+
+
+def _around(group: list[Crossing]) -> bool:
+    """Whether the passages lead past a wall's end from a room into itself."""
+    return len({c.view for c in group}) == 1 and len({(c.view, c.face) for c in group}) > 1
 
 
 def _doorway(

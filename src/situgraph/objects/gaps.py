@@ -1,86 +1,74 @@
-"""Gaps that the LiDAR saw in walls, as evidence for doors that the camera saw too."""
+"""Gaps that the LiDAR saw in walls, as further evidence for doors.
+
+A wall that something stands before has a gap as well, and so has one with an opening that is no
+door: over half of all gaps are such. So a gap makes no door and moves none; it confirms one that
+the camera saw or the robot passed.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.doorways import EVIDENCE
-from situgraph.objects.reconcile import along_wall, united
-from situgraph.objects.relations import RoomView, relate
-from situgraph.scenegraph.graph import Ellipsoid, Object, SceneGraph
+from situgraph.scenegraph.graph import Object, SceneGraph
 
 GAP = "gap"
+ALONG = 0.17  # sine of the angle between a gap and the wall it is in; 10 degrees
 
 
 class WallGap(NamedTuple):
-    """An opening in the line of the scene graph's plane ``plane``: its ``ends`` (2, 2), metres."""
+    """An opening in the line of a wall: its ``ends`` (2, 2) in the plan, its ``floor``'s height.
 
-    plane: str
+    Both in the scene graph's frame (m). The wall is found by its place: a long one may be several
+    faces, and the plane that SLAM found the gap in need not bound a room.
+    """
+
     ends: Array
-
-
-def gap_doors(
-    gaps: Sequence[WallGap], views: tuple[RoomView, ...], config: ObjectsConfig
-) -> list[Object]:
-    """A door as wide as each gap, with its relations; gaps in no room's wall are left out."""
-    sides = {
-        plane.id: (view, view.normals[i]) for view in views for i, plane in enumerate(view.planes)
-    }
-    found = []
-    for number, gap in enumerate(gaps):
-        if gap.plane not in sides:
-            continue
-        view, normal = sides[gap.plane]
-        ends = np.asarray(gap.ends, dtype=float)
-        x, y = (float(v) for v in ends.mean(axis=0))
-        width = float(np.linalg.norm(ends[1] - ends[0]))
-        yaw = math.atan2(normal[1], normal[0]) - math.pi / 2.0
-        door = Object(
-            f"gap{number}",
-            "door",
-            (x, y, view.floor + config.doorway_height / 2.0),
-            Ellipsoid(
-                (max(width, config.opening_width) / 2.0, 0.1, config.doorway_height / 2.0),
-                (0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)),
-            ),
-            attributes={EVIDENCE: GAP},
-        )
-        placed = relate(door, views, config)
-        if placed.planes:
-            found.append(placed)
-    return found
-
-
-def backs(doors: Sequence[Object], weak: Object, graph: SceneGraph, config: ObjectsConfig) -> bool:
-    """Whether one of the gaps' doors is where a door that was seen too seldom should be."""
-    return weak.category == "door" and any(
-        along_wall(weak, d, graph) <= config.doorway_merge for d in doors
-    )
+    floor: float
 
 
 def supported(
-    objects: Sequence[Object], doors: Sequence[Object], graph: SceneGraph, config: ObjectsConfig
+    objects: Sequence[Object], gaps: Sequence[WallGap], graph: SceneGraph, config: ObjectsConfig
 ) -> tuple[Object, ...]:
-    """The objects, those doors that a gap confirms with that evidence added; no new ones."""
-    out = list(objects)
-    for door in doors:
-        near = [
-            (apart, k)
-            for k, o in enumerate(out)
-            if o.category == "door"
-            and (apart := along_wall(o, door, graph)) <= config.doorway_merge
-        ]
-        if near:
-            _, k = min(near)
-            # The place stays: where a wall was seen to end is coarser than a frame or a passage.
-            out[k] = msgspec.structs.replace(
-                united(out[k], door), center=out[k].center, confidence=out[k].confidence
-            )
-    return tuple(out)
+    """The same objects, ``gap`` added to the evidence of each door that has one in its wall."""
+    if not gaps:
+        return tuple(objects)
+    ends = np.array([gap.ends for gap in gaps], dtype=float)
+    floors = np.array([gap.floor for gap in gaps])
+    return tuple(
+        _confirmed(o) if o.category == "door" and _near(o, ends, floors, graph, config).any() else o
+        for o in objects
+    )
+
+
+def _near(
+    door: Object, ends: Array, floors: Array, graph: SceneGraph, config: ObjectsConfig
+) -> NDArray[np.bool_]:
+    """Which gaps (n, 2, 2) over ``floors`` (n,) lie in a wall of the door, where the door is."""
+    middle, span = ends.mean(axis=1), ends[:, 1] - ends[:, 0]
+    rise = door.center[2] - floors
+    found = np.zeros(len(ends), dtype=bool)
+    for key in door.planes:
+        plane = graph.plane_by_id[key]
+        normal = np.array(plane.normal[:2])
+        before = middle @ normal + plane.offset
+        away = middle - np.array(door.center[:2])
+        along = np.linalg.norm(away - (away @ normal)[:, None] * normal, axis=1)
+        found |= (
+            (np.abs(span @ normal) <= ALONG * np.linalg.norm(span, axis=1))
+            & (np.abs(before) <= config.wall_thickness)
+            & (along <= config.doorway_merge)
+        )
+    return found & (rise > 0.0) & (rise < config.storey_height)
+
+
+def _confirmed(door: Object) -> Object:
+    evidence = ",".join([*filter(None, [str(door.attributes.get(EVIDENCE, ""))]), GAP])
+    return msgspec.structs.replace(door, attributes={**door.attributes, EVIDENCE: evidence})

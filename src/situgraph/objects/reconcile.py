@@ -1,8 +1,8 @@
 """One door, several kinds of evidence: seen by the camera, crossed by the robot, a gap in a wall.
 
 Doorways and visually detected doors that share a wall face and a place are one object of category
-``door``; its attribute ``evidence`` lists what it stands on. The place of a passage or a gap lies
-on the wall by construction; that of an image also holds the leaf, which may stand open.
+``door``; its attribute ``evidence`` lists what it stands on. The place of a passage lies on the
+wall by construction; that of an image also holds the leaf, which may stand open.
 """
 
 from __future__ import annotations
@@ -66,6 +66,15 @@ def united(door: Object, passage: Object) -> Object:
         planes=tuple(dict.fromkeys((*door.planes, *passage.planes))),
         confidence=max(door.confidence or 0.0, passage.confidence or 1.0),
         attributes={**door.attributes, EVIDENCE: evidence},
+    )
+
+
+def passed(
+    weak: Object, passages: Sequence[Object], graph: SceneGraph, config: ObjectsConfig
+) -> bool:
+    """Whether the robot passed where a door that the camera saw too seldom should be."""
+    return weak.category == "door" and any(
+        along_wall(weak, p, graph) <= config.doorway_merge for p in passages
     )
 
 

@@ -14,9 +14,9 @@ from situgraph.objects.cloud import labelled_clouds, max_range
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.doorways import doorways
-from situgraph.objects.gaps import WallGap, backs, gap_doors, supported
+from situgraph.objects.gaps import WallGap, supported
 from situgraph.objects.openings import Openings, Seen, openings, stands
-from situgraph.objects.reconcile import reconciled
+from situgraph.objects.reconcile import passed, reconciled
 from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
 from situgraph.scenegraph.graph import Object, SceneGraph
 
@@ -74,21 +74,19 @@ class ObjectStage:
         """The graph with all objects and doorways and their relations.
 
         ``path`` (n, 3): the robot's positions in the graph's frame so far; ``gaps``: where the
-        LiDAR saw openings in walls. A gap alone is no door (walls have shadows), but a door that
-        the camera saw too seldom to be sure of is one where there is a gap or a passage.
+        LiDAR saw openings in walls. A door that the camera saw too seldom to be sure of is one
+        where the robot passed; a gap makes no door (walls have shadows) but confirms one.
         """
         views = room_views(graph, self.config)
         found, free = self._placed(views)
-        doors = gap_doors(gaps, views, self.config)
         passages = doorways(path, graph, self.config)
-        proofs = [*doors, *passages]
         weak = [relate(o, views, self.config) for o in found.weak]
-        backed = [o for o in weak if backs(proofs, o, graph, self.config)]
+        backed = [o for o in weak if passed(o, passages, graph, self.config)]
         flat = [relate(o, views, self.config) for o in (*found.given, *backed)]
         # Where no wall was seen there is no opening in it.
         seen = [o for o in flat if o.planes] + [relate(o, views, self.config) for o in free]
         objects = reconciled(seen, passages, graph, self.config)
-        return graph.replace(objects=supported(objects, doors, graph, self.config))
+        return graph.replace(objects=supported(objects, gaps, graph, self.config))
 
     def _placed(self, views: tuple[RoomView, ...]) -> tuple[Openings, list[Object]]:
         """Doors and windows in their walls, whatever their confidence; and all other objects.
