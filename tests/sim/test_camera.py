@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import msgspec
 import numpy as np
 import pytest
 from tests.sim.buildings import box_room, two_rooms, window
 
+from situgraph.errors import SituGraphError
 from situgraph.geometry.poses import pose_to_matrix
 from situgraph.io.recording import Intrinsics
 from situgraph.scenegraph.graph import Ellipsoid, Object
@@ -155,3 +158,35 @@ def test_there_is_always_a_renderer_and_it_has_a_name() -> None:
     world = build_world(two_rooms(), BARE, 0)
     assert make_renderer(world, "cpu").name.startswith("CPU")
     assert make_renderer(world, "auto").name
+
+
+class Broken:
+    """A context whose driver cannot do what it promises."""
+
+    info: ClassVar = {"GL_RENDERER": "broken"}
+
+    def __enter__(self) -> Broken:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return None
+
+    def release(self) -> None:
+        return None
+
+    def program(self, **_: object) -> None:
+        raise RuntimeError("GLSL 3.30 is not supported")
+
+
+def test_a_driver_that_fails_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    moderngl = pytest.importorskip("moderngl")
+    world = build_world(two_rooms(), BARE, 0)
+
+    def nothing(**_: object) -> None:
+        raise RuntimeError("libEGL.so not loaded")
+
+    for create, why in ((nothing, "not loaded"), (lambda **_: Broken(), "not supported")):
+        monkeypatch.setattr(moderngl, "create_context", create)
+        assert make_renderer(world, "auto").name.startswith("CPU")
+        with pytest.raises(SituGraphError, match=why):
+            make_renderer(world, "gl")

@@ -120,11 +120,17 @@ class GlRenderer:
         weakref.finalize(self, self._gl.release)
         self._gl.gc_mode = "auto"
         self._origin = world.origin
-        with self._alone():
-            self.name = f"OpenGL ({self._gl.info['GL_RENDERER']})"
-            self._program: Any = self._gl.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
-            self._load(world)
         self._target: tuple[tuple[int, int], Any] | None = None
+        try:
+            with self._alone():
+                self.name = f"OpenGL ({self._gl.info['GL_RENDERER']})"
+                self._program: Any = self._gl.program(
+                    vertex_shader=_VERTEX, fragment_shader=_FRAGMENT
+                )
+                self._load(world)
+                self._framebuffer(8, 8)
+        except Exception as error:  # a driver that makes a context and cannot use it
+            raise GlUnavailableError(str(error) or type(error).__name__) from error
 
     def view(self, pose: Array, intrinsics: Intrinsics, width: int, height: int) -> View:
         """See ``Renderer.view``."""
