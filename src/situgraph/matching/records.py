@@ -89,6 +89,10 @@ def _kind(hint: Any) -> Any:
     ndim = 1
     if get_origin(hint) is Annotated:
         hint, ndim = get_args(hint)
+    # NDArray is an alias of the language from Python 3.12 on.
+    named = getattr(get_origin(hint), "__value__", None)
+    if named is not None:
+        hint = named[get_args(hint)]
     if get_origin(hint) is np.ndarray:
         (scalar,) = get_args(get_args(hint)[1])
         dtype = types.uint8 if scalar is np.bool_ else from_dtype(np.dtype(scalar))
