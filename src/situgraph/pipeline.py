@@ -250,8 +250,7 @@ class Pipeline:
         """Base in the building now."""
         if self.located is None:
             return None
-        carried = self.located.carrier.trajectory([np.inf], self.slam.pose[None])
-        return _row(carried[0])
+        return _row(self.located.carrier.latest(self.slam.pose))
 
     def _objects(self) -> tuple[tuple[int, str], ...]:
         return tuple((track.number, node.category) for track, node in self.objects.map.nodes())

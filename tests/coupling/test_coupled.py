@@ -15,8 +15,10 @@ from situgraph.coupling.coupled import couple, deviation
 from situgraph.coupling.evidence import Evidence, from_scene
 from situgraph.coupling.lines import WallLines
 from situgraph.coupling.located import locate
+from situgraph.coupling.trajectory import Carrier
 from situgraph.coupling.walls import grouped, walls
 from situgraph.geometry.poses import Placement, pose_to_matrix, wrap_angle
+from situgraph.scenegraph.graph import Keyframe
 
 CONFIG = CouplingConfig(plane_sigma=0.01, plane_angle_sigma=0.003)
 
@@ -181,3 +183,16 @@ def test_planes_without_pairs_and_no_pairs_at_all() -> None:
     assert found.walls == ()
     assert off(found.placement)[0] < 1e-6
     assert len(found.planes) == len(online.planes)
+
+
+def test_the_latest_pose_is_the_last_of_the_trajectory() -> None:
+    """What is told live is what the trajectory says afterwards."""
+    keyframes = [
+        Keyframe("k0", 0.0, (0, 0, 0, 0, 0, 0, 1)),
+        Keyframe("k1", 1.0, (1, 0, 0, 0, 0, 0, 1)),
+    ]
+    frames = {"k0": np.eye(4), "k1": Placement(2.0, 0.5, 0.1, 0.2).matrix()}
+    pose = np.array([1.5, 0.2, 0.0, 0.0, 0.0, 0.0, 1.0])
+    for known in (frames, {}):
+        carrier = Carrier(keyframes, known, Placement(3.0, 1.0, 0.0, 0.4).matrix())
+        assert np.allclose(carrier.latest(pose), carrier.trajectory([9.0], pose[None])[0])

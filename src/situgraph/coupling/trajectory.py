@@ -63,6 +63,11 @@ class Carrier:
             for k, row in zip(self._known, matrix_to_pose(self._after).tolist())
         )
 
+    def latest(self, pose: Array) -> Array:
+        """A pose (7,) of the map after the last keyframe, in the building."""
+        motion = self._motion[-1] if self._known else self._rigid
+        return matrix_to_pose(motion @ pose_to_matrix(pose))
+
     def trajectory(self, stamps: ArrayLike, poses: ArrayLike) -> Array:
         """Poses (n, 7) of the map in the building.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -50,15 +49,16 @@ def walls(
 
 def grouped(walls: Sequence[Wall]) -> list[list[Wall]]:
     """The faces of each wall: seen as one plane, or of one wall of the plan."""
-    import networkx as nx
-
-    graph: Any = nx.Graph()
-    graph.add_nodes_from(range(len(walls)))
-    for i, one in enumerate(walls):
-        for j in range(i):
-            if one.online == walls[j].online or one.line == walls[j].line:
-                graph.add_edge(i, j)
-    return [[walls[i] for i in sorted(part)] for part in nx.connected_components(graph)]
+    parts: list[list[int]] = []
+    for i, face in enumerate(walls):
+        touching = [
+            part
+            for part in parts
+            if any(face.online == walls[j].online or face.line == walls[j].line for j in part)
+        ]
+        parts = [part for part in parts if part not in touching]
+        parts.append(sorted([i, *(j for part in touching for j in part)]))
+    return [[walls[i] for i in part] for part in sorted(parts)]
 
 
 def stretch(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from situgraph.geometry.poses import Array, Placement
     from situgraph.sim.truth import Truth
 
-REVISION = 4
+REVISION = 5
 DATA = "../shared/data"
 # Each building, and how many of its walls are moved: where a few rooms are visited, in full.
 BUILDINGS = {
@@ -139,6 +139,9 @@ def _deviations(located: Located, truth: Truth) -> dict[str, Any]:
         "moved_seen": sum(name in seen for name in true),
         "moved_told": len(errors),
         "invented": sum(name not in true for name in told),
+        "invented_told": [
+            d.message for d in located.deviations if d.kind == "moved-wall" and d.prior not in true
+        ],
         "deviation_errors_m": errors,
         "wall_rms_m": located.coupled.rms,
     }
