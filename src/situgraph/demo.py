@@ -42,7 +42,7 @@ class Answer(msgspec.Struct, frozen=True):
     """One match: its verdict, how many solutions, the probability of the best, how long it took.
 
     ``right`` says of a unique answer whether it is the truth, of an ambiguous one whether the
-    truth is among its solutions; None where there is no solution.
+    truth is among its solutions; None where there is no solution. ``reason`` is the match's.
     """
 
     semantics: str
@@ -51,6 +51,7 @@ class Answer(msgspec.Struct, frozen=True):
     probability: float | None
     milliseconds: float
     right: bool | None
+    reason: str
 
 
 class Step(msgspec.Struct, frozen=True):
@@ -228,6 +229,7 @@ def answers_of(found: Sequence[MatchResult], truth: Placement, center: Array) ->
                 probability=None if best is None else float(best.probability),
                 milliseconds=1e3 * float(result.stats["seconds"]["total"]),
                 right=any(near) if near else None,
+                reason=result.reason,
             )
         )
     return tuple(answers)
@@ -300,6 +302,19 @@ def _saved(
         config=view,
     )  # fmt: skip
     return [*names, "report.html"]
+
+
+def refusals(steps: Sequence[Step]) -> str:
+    """Why the paper's filter let nothing pass where it first did so; nothing where it never did."""
+    for step in steps:
+        for answer in step.answers:
+            if answer.semantics == "containment" and answer.verdict == "none":
+                return (
+                    "The paper's filter takes an object that the plan lacks, or has fewer of, as "
+                    "proof against a room, so one false detection is enough to refuse the true "
+                    f"one. With {step.rooms} of the rooms: {answer.reason}."
+                )
+    return ""
 
 
 def table_of(steps: list[Step] | tuple[Step, ...]) -> tuple[list[str], list[list[Any]]]:

@@ -23,6 +23,7 @@ from situgraph.demo import (
     answers_of,
     authored,
     read_rooms,
+    refusals,
     table_of,
     telling,
 )
@@ -98,6 +99,7 @@ def run_drive(
     source = Path(plan) if plan is not None else authored(target)
     prior = read_rooms(source, settings)
     index = PlanIndex(prior, settings.matching)
+    _warm(prior, index)
     drive = _drive(prior, settings, seed, rooms, renderer)
     info = drive.info
     system = Pipeline(
@@ -156,6 +158,17 @@ def _drive(
     return Simulation(prior, settings.sim, seed=seed, rooms=visited, renderer=renderer)
 
 
+def _warm(prior: SceneGraph, index: PlanIndex) -> None:
+    """A match of each kind that is not used: where code is compiled, that is done before it."""
+    from situgraph.matching import match
+
+    room = prior.rooms[0].id
+    there = [msgspec.structs.replace(o, rooms=(room,)) for o in prior.objects if room in o.rooms]
+    view = prior.replace(rooms=prior.rooms[:1], objects=tuple(there))
+    for policy in POLICIES:
+        match(view, index, semantics=policy)
+
+
 class _Steps:
     """The answers of all policies for each number of rooms, the last while there were so many."""
 
@@ -194,3 +207,6 @@ def _tell(report: Report, steps: tuple[Step, ...], drive: Simulation) -> None:
         f"camera: {drive.info.sensors.get('camera', 'none')}."
     )
     section.table(*table_of(steps))
+    refused = refusals(steps)
+    if refused:
+        section.text(refused)

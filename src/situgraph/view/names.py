@@ -22,9 +22,13 @@ _USED = 0.9  # of the space across a room
 
 def draw_names(
     axes: Axes, shapes: Sequence[Shape], scale: float, config: ViewConfig,
-    color: str = palette.INK,
+    color: str = palette.INK, below: float = 0.0,
 ) -> int:  # fmt: skip
-    """Write the names of rooms where they fit; returns how many had no space."""
+    """Write the names of rooms where they fit; returns how many had no space.
+
+    ``below`` (points) sets them that much lower, off what is drawn in the middle of rooms, where
+    there is space for it.
+    """
     left_out = 0
     for shape, (x, y), (across, up) in zip(shapes, *_spaces(shapes, scale, config)):
         name = plain(shape.name, 60)
@@ -33,8 +37,9 @@ def draw_names(
             left_out += 1
             continue
         text, size = fit
+        lower = below / scale if up > 4.0 * below else 0.0
         axes.text(
-            x, y, text, fontsize=round(size, 1), color=color, ha="center", va="center",
+            x, y - lower, text, fontsize=round(size, 1), color=color, ha="center", va="center",
             zorder=6.0, parse_math=False, linespacing=1.15, clip_on=True,
             bbox={"facecolor": palette.FLOOR, "edgecolor": "none", "alpha": 0.75, "pad": 0.6},
         )  # fmt: skip

@@ -32,6 +32,7 @@ _EARLY, _LATE = (0.35, 0.55, 0.85), (0.78, 0.18, 0.55)
 _STEPS = 64  # colours along a path
 _LABELS = 8  # at most so many times are written along a path
 _SPANS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0)
+_NAME_BELOW = 14.0  # points, room names: paths and their times go through the middle of rooms
 _FLOOR = 0.5  # m, a robot may be this far below the floor it drives on
 
 
@@ -89,7 +90,7 @@ def draw_track(
     page = sheet(content, captions(floors, (x0, y0, x1, y1)), config)
     for axes, floor, i in zip(page.panels, floors, levels):
         draw_floor(axes, floor, page.points_per_metre, UNDER)
-        draw_names(axes, floor.rooms, page.points_per_metre, config)
+        draw_names(axes, floor.rooms, page.points_per_metre, config, below=_NAME_BELOW)
         _path(axes, when, path, level == i, located)
     return page.figure
 
@@ -156,6 +157,8 @@ def draw_history(history: Sequence[Status], *, title: str = "What it knew, over 
 
     The ground tells the verdict: green unique, amber ambiguous, red none.
     """
+    from matplotlib.ticker import LogLocator, NullLocator
+
     figure, (counts, alive) = chart(title, f"{len(history)} updates", 2, (6.4, 1.9), columns=1)
     if not history:
         nothing(counts)
@@ -169,6 +172,10 @@ def draw_history(history: Sequence[Status], *, title: str = "What it knew, over 
     alive.step(time, [max(s.solutions, 0.5) for s in history], where="post", color=palette.INK,
                linewidth=1.5)  # fmt: skip
     alive.set_yscale("log")
+    alive.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    alive.yaxis.set_minor_locator(NullLocator())
+    alive.yaxis.set_major_formatter(lambda value, _: f"{value:g}" if value >= 1.0 else "0")
+    alive.set_ylim(0.45, 1.3 * max(2.0, *(s.solutions for s in history), 0.0))
     ends = [*time[1:].tolist(), float(time[-1])]
     for start, end, status in zip(time.tolist(), ends, history):
         ground = palette.VERDICTS.get(status.verdict, palette.HAIRLINE)
