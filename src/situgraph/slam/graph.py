@@ -50,6 +50,7 @@ class FactorGraph:
         self._waiting: list[tuple[Key, Sight | None] | None] = []  # who owns each waiting factor
         self._slots: dict[Key, list[tuple[int, Sight | None]]] = {}
         self._estimate: Any = None
+        self._sigmas: dict[int, tuple[int, tuple[float, float]]] = {}
         self.seconds: list[float] = []
 
     # keyframes
@@ -168,11 +169,19 @@ class FactorGraph:
             dtype=float,
         ).reshape(-1, 4)
 
-    def plane_sigma(self, number: int) -> tuple[float, float]:
-        """Standard deviations of a wall's angle (rad) and of its offset at the origin (m)."""
-        covariance = self._isam.marginalCovariance(self.key(("p", number)))
-        spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-        return float(spread[:2].max()), float(spread[2])
+    def plane_sigma(self, number: int, sightings: int) -> tuple[float, float]:
+        """Standard deviations of a wall's angle (rad) and of its offset at the origin (m).
+
+        Those of the time when the wall had so many ``sightings``, asked for first: marginals of
+        all walls after each keyframe would cost more than matching and coupling together.
+        """
+        known = self._sigmas.get(number)
+        if known is None or known[0] != sightings:
+            covariance = self._isam.marginalCovariance(self.key(("p", number)))
+            spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+            known = sightings, (float(spread[:2].max()), float(spread[2]))
+            self._sigmas[number] = known
+        return known[1]
 
     def values(self) -> Any:
         """The present estimate of everything (``gtsam.Values``)."""

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 def scene_graph(slam: Slam) -> SceneGraph:
     """Everything observable, in the map frame.
 
-    Planes carry ``sightings``, ``length`` (m seen), ``sigma_angle`` (rad) and ``sigma_offset`` (m),
-    their normals point to where they were seen from: into their rooms. Rooms carry ``closed``
-    (share of the outline seen as wall), ``entered`` and ``area`` (m2). What is no room is a
-    warning whose code starts with ``room-``.
+    Planes carry ``sightings``, ``length`` (m seen), ``sigma_angle`` (rad) and ``sigma_offset`` (m)
+    as of their last sighting; their normals point to where they were seen from: into their rooms.
+    Rooms carry ``closed`` (share of the outline seen as wall), ``entered`` and ``area`` (m2). What
+    is no room is a warning whose code starts with ``room-``.
     """
     slam.refresh()
     bounding = {p for r in slam.rooms.rooms.values() for p in r.planes}
@@ -80,7 +80,7 @@ def _room(slam: Slam, room: MapRoom) -> Room:
 def _plane(slam: Slam, plane: MapPlane) -> Plane:
     n = plane.plane[:3] / np.linalg.norm(plane.plane[:3])
     (ax, ay), (bx, by) = plane.ends().tolist()
-    angle, offset = slam.graph.plane_sigma(plane.number)
+    angle, offset = slam.graph.plane_sigma(plane.number, plane.sightings)
     return Plane(
         f"p{plane.number}",
         (float(n[0]), float(n[1]), float(n[2])),
