@@ -86,6 +86,32 @@ def test_memory_is_bounded_by_the_objects_not_by_the_frames() -> None:
     assert len(world._poses) == 1
 
 
+def test_a_long_drive_keeps_objects_and_forgets_specks() -> None:
+    """600 frames in eight rooms: each shows the room's two doors and something that is not."""
+    rng = np.random.default_rng(5)
+    config = ObjectsConfig(max_unsure=20, max_object_points=300)
+    world, most, p = ObjectMap(config), 0, np.eye(4)
+    for k in range(600):
+        room, aside = 20.0 * (k // 25 % 8), rng.uniform(200, 900, 2)
+        at, away = (room + rng.uniform(0, 10), 5.0, 1.0), (*aside, 1.0)
+        real = [panel(room + x, k, 120) for x in (0.0, 3.0)]
+        speck = rng.uniform(-0.05, 0.05, (15, 3)) + np.array(at)
+        hidden = rng.uniform(-0.05, 0.05, (15, 3)) + np.array(away)
+        seen = world.add(f"k{k}", p, [observed(c, p) for c in (*real, speck, hidden)])
+        # All of a room is expected when the robot is there; what lies behind walls never is.
+        here = [t for t in world.tracks if room - 1 < t.center[0] < room + 12]
+        world.expect(list(dict.fromkeys([*here, *seen])))
+        # Specks that met by chance are given out for a while, until they are missed.
+        most = max(most, len(world.tracks))
+        assert len(world.tracks) <= len(world.objects()) + config.max_unsure
+        assert len(world.objects()) <= 16 + 8
+    assert sum(len(t.points) for t in world.tracks) <= 16 * 300 + (20 + 8) * 15 * 4
+    assert len(world._poses) <= most
+    assert sum(o.attributes["seen"] > 20 for o in world.objects()) == 16
+    specks = [t for t in world.tracks if t.center[1] > 4.0 and t.center[0] < 180.0]
+    assert len(specks) < 20  # of six hundred
+
+
 def test_pieces_of_one_frame_do_not_confirm_each_other() -> None:
     world = ObjectMap()
     p = pose(0, -2, 0)
@@ -126,3 +152,13 @@ def test_thinning_keeps_one_point_a_voxel() -> None:
     assert np.allclose(thin(points, 0.05), [[0.02, 0.02, 0.02], [0.06, 0.0, 0.0]])
     assert thin(np.zeros((0, 3)), 0.05).shape == (0, 3)
     assert clusters(np.zeros((0, 3)), 0.2, 3) == []
+
+
+def test_an_object_knows_from_where_it_was_seen_best() -> None:
+    world = ObjectMap(ONCE)
+    for k, p in enumerate((pose(0, -5, 0.2), pose(1, -2, 0.4), pose(-1, -4, 0.0))):
+        world.add(f"k{k}", p, [observed(panel(0.0, k), p)], np.array([0.0, 0.0, 0.5]))
+    (track,) = world.tracks
+    assert np.allclose(world.eye(track), (1.0, -2.0, 0.5))
+    world.correct({"k0": Placement(0.0, 1.0, 0.0, 0.0).matrix() @ pose(0, -5, 0.2)})
+    assert np.allclose(world.eye(track), (1.0, -1.0, 0.5))

@@ -38,6 +38,18 @@ def test_glass_takes_the_plane_of_the_wall_around_it() -> None:
     assert len(cloud.points) > 5_000  # of 7500 pixels that are looked at
 
 
+def test_a_picture_on_a_wall_is_no_window() -> None:
+    mask = rectangle(150, 300, 200, 400)
+    depth = wall()
+    picture = Detection(mask, "window", 0.8)
+    assert labelled_clouds(depth, CAMERA, [picture], CONFIG) == []
+    depth[150:280, 200:400] = 4.0  # what shows through the glass
+    assert len(labelled_clouds(depth, CAMERA, [picture], CONFIG)) == 1
+    depth[150:200, 200:400] = 2.0  # a blind, half down
+    depth[200:300, 200:400] = 0.0
+    assert len(labelled_clouds(depth, CAMERA, [picture], CONFIG)) == 1
+
+
 def test_far_pixels_and_depth_edges_are_not_used() -> None:
     depth = wall(max_range(CAMERA, CONFIG) + 0.1)
     mask = rectangle(100, 400, 250, 350)

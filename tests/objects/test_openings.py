@@ -2,10 +2,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
+import pytest
 from tests.objects.world import two_rooms
 
 from situgraph.objects.config import ObjectsConfig
+from situgraph.objects.gaps import WallGap
 from situgraph.objects.openings import Seen, openings
 from situgraph.objects.relations import room_views
 from situgraph.scenegraph.graph import Object
@@ -68,6 +71,37 @@ def test_what_lies_in_no_wall_has_no_place() -> None:
     assert (found.given, found.weak, found.homeless) == ([], [], [5])
 
 
+def test_a_jamb_alone_is_the_gap_that_it_bounds() -> None:
+    jamb = thing(0, panel(4.0, 1.4, 1.8))
+    beside, far = (WallGap(np.array([[4.0, a], [4.0, b]]), 0.0) for a, b in ((1.6, 3.0), (3.0, 4)))
+    without = openings([jamb], VIEWS, CONFIG, [far])
+    assert (without.given, [o.id for o in without.weak]) == ([], ["o0"])
+    (door,) = openings([jamb], VIEWS, CONFIG, [far, beside]).given
+    assert np.allclose(door.center, (4.0, 2.2, 1.05), atol=0.06)
+
+
+def test_both_jambs_of_a_wide_door_are_one_door() -> None:
+    jambs = [thing(0, panel(4.0, 1.2, 1.6)), thing(1, panel(4.0, 2.9, 3.3))]
+    gap = WallGap(np.array([[4.0, 1.5], [4.0, 3.0]]), 0.0)
+    (door,) = openings(jambs, VIEWS, CONFIG, [gap]).given
+    assert np.allclose(door.center, (4.0, 2.25, 1.05), atol=0.1)
+
+
+def test_a_door_has_some_wall_beside_it() -> None:
+    leaf = msgspec.structs.replace(two_rooms().planes[1], extent=((4.0, 1.5), (4.0, 2.5)))
+    graph = two_rooms()
+    views = room_views(graph.replace(planes=(graph.planes[0], leaf, *graph.planes[2:])), CONFIG)
+    found = openings([thing(0, panel(4.0, 1.5, 2.45))], views, CONFIG)
+    assert (found.given, [o.id for o in found.weak]) == ([], ["o0"])
+
+
+@pytest.mark.parametrize(
+    ("category", "bottom", "top"), [("door", 0.0, 2.8), ("door", 0.0, 0.7), ("window", 0.1, 0.9)]
+)
+def test_what_is_too_high_or_too_low_is_no_opening(category: str, bottom: float, top: float):
+    assert given([thing(0, panel(0.0, 1.5, 2.4, bottom, top), category)]) == []
+
+
 def test_slivers_are_no_openings() -> None:
     found = given([thing(0, panel(4.0, 1.5, 1.7))])
     assert found == []
@@ -108,9 +142,9 @@ def test_two_pieces_of_one_frame_are_one_sighting() -> None:
 
 
 def test_what_one_frame_alone_showed_does_not_widen_a_door() -> None:
-    door = thing(0, panel(4.0, 1.5, 2.0), seen=8)
+    door = thing(0, panel(4.0, 1.5, 2.1), seen=8)
     speck = panel(4.0, 2.55, 2.65)
     once, often = (
         given([door, thing(1, speck, seen=seen)])[0].ellipsoid.axes[0] for seen in (1, 3)
     )
-    assert once < 0.3 < 0.5 < often
+    assert once < 0.4 < 0.5 < often

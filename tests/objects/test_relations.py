@@ -95,3 +95,15 @@ def test_a_wall_seen_in_scraps_reaches_as_far_as_the_room() -> None:
     assert relations(graph.replace(planes=scrap), "door", 4.0, 3.0)[1] == ("a1", "b0")
     bare = tuple(msgspec.structs.replace(r, footprint=None) for r in graph.rooms)
     assert relations(graph.replace(planes=scrap, rooms=bare), "door", 4.0, 3.0)[1] == ("b0",)
+
+
+def test_nobody_looks_through_a_wall() -> None:
+    """An extinguisher of room a that was placed behind its wall; what b's camera saw is b's."""
+    graph = two_rooms(True).replace(objects=(Object("o", "extinguisher", (4.25, 2.0, 1.0)),))
+    eyes = {"a": np.array([2.0, 2.5, 1.0]), "b": np.array([6.0, 2.5, 1.0])}
+    found = {key: related(graph, eyes={"o": eye}).objects[0] for key, eye in eyes.items()}
+    assert (found["a"].rooms, found["a"].planes) == (("a",), ("a1",))
+    assert (found["b"].rooms, found["b"].planes) == (("b",), ("b0",))
+    assert related(graph).objects[0].rooms == ("b",)
+    deep = graph.replace(objects=(Object("o", "extinguisher", (8.1, 2.0, 1.0)),))
+    assert related(deep, eyes={"o": eyes["a"]}).objects[0].planes == ("b1",)  # through a doorway

@@ -9,9 +9,9 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
 from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap
-from situgraph.objects.reconcile import reconciled
+from situgraph.objects.reconcile import reconciled, without_leaves
 from situgraph.objects.stage import ObjectStage, View
-from situgraph.scenegraph.graph import Object, SceneGraph
+from situgraph.scenegraph.graph import Ellipsoid, Object, Plane, SceneGraph
 
 ONCE = ObjectsConfig(min_seen=1, min_seen_roomless=1)
 CAMERA = Camera(386.0, 386.0, 319.5, 239.5)
@@ -155,3 +155,16 @@ def test_where_no_room_is_known_only_what_stands_upright_is_a_door() -> None:
     (track,) = stage.map.tracks
     track.shape = np.diag([0.5, 0.5, 0.05]) ** 2
     assert stage.annotated(empty, np.zeros((0, 3))).objects == ()
+
+
+def test_an_open_leaf_that_became_a_piece_of_wall_is_no_second_door() -> None:
+    wall = Plane("w", (0.6, 0.8, 0.0), -3.8, extent=((4.0, 1.75), (3.28, 2.29)))
+    graph = two_rooms()
+    graph = graph.replace(planes=(*graph.planes, wall))
+    half = Ellipsoid((0.45, 0.1, 1.0), (0.0, 0.0, 0.0, 1.0))
+    door = Object("o1", "door", (4.0, 1.3, 1.0), half, planes=("a1", "b0"))
+    leaf = Object("o2", "door", (3.64, 2.02, 1.0), half, rooms=("a",), planes=("w",))
+    other = Object("o3", "door", (0.0, 4.0, 1.0), half, rooms=("a",), planes=("a0",))
+    assert without_leaves([door, leaf, other], graph) == (door, other)
+    passed = msgspec.structs.replace(leaf, attributes={"evidence": "vision,trajectory"})
+    assert passed in without_leaves([door, passed], graph)

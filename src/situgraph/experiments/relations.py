@@ -13,10 +13,12 @@ from typing import Any, get_args
 
 import msgspec
 import numpy as np
+import shapely
 
 from situgraph.experiments.passages import doorway_row
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
+from situgraph.geometry.poses import Array
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.relations import related
 from situgraph.plan.layout_config import Kind
@@ -24,13 +26,15 @@ from situgraph.plan.layouts import make_layout
 from situgraph.plan.six_rooms import six_rooms
 from situgraph.scenegraph.graph import Object, SceneGraph
 
-REVISION = 1
+REVISION = 2
 ERRORS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)  # m
 CLAIMED = 0.2  # m; the summary's figures are over errors up to this
 LAYOUTS = (12, 60)  # default, full
 LAYOUT_SEED = 4_000
 REPEATS = 5  # directions in which each object is moved
 DRIVES = (10, 50)
+EYE_MARGIN = 0.4  # m; a robot is no nearer to a wall
+TRIES = 40  # places drawn until one is in the room
 # Settings whose choice is shown: share of right relations at errors of ``CLAIMED``.
 SWEPT: Mapping[str, tuple[float, ...]] = {
     "wall_distance": (0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5),
@@ -99,22 +103,43 @@ def _counts(
     rng: np.random.Generator,
     config: ObjectsConfig,
 ) -> dict[str, Any]:
-    """Right relations of all objects, moved by ``error`` (m) in ``REPEATS`` directions each."""
+    """Right relations of all objects, moved by ``error`` (m) in ``REPEATS`` directions each.
+
+    Each was seen from somewhere in its room, as a camera tells; ``unseen``: the same without that.
+    """
+    whole = plan
     if not footprints:
         bare = tuple(msgspec.structs.replace(r, footprint=None) for r in plan.rooms)
         plan = plan.replace(rooms=bare)
-    count = {"error": error, "objects": 0, "in_room": 0, "hung": 0, "on_plane": 0}
+    count = {"error": error, "objects": 0, "hung": 0, "in_room": 0, "on_plane": 0,
+             "in_room_unseen": 0, "on_plane_unseen": 0}  # fmt: skip
     for _ in range(REPEATS if error else 1):
-        moved = tuple(_moved(o, error, rng) for o in plan.objects)
-        for old, new in zip(plan.objects, related(plan.replace(objects=moved), config).objects):
-            if not old.rooms:
-                continue
-            count["objects"] += 1
-            count["in_room"] += set(new.rooms) == set(old.rooms)
-            if old.planes:
-                count["hung"] += 1
-                count["on_plane"] += set(new.planes) == set(old.planes)
+        moved = plan.replace(objects=tuple(_moved(o, error, rng) for o in plan.objects))
+        for eyes, suffix in ((_eyes(whole, rng), ""), ({}, "_unseen")):
+            for old, new in zip(plan.objects, related(moved, config, eyes).objects):
+                if old.rooms:
+                    count["in_room" + suffix] += set(new.rooms) == set(old.rooms)
+                if old.rooms and old.planes:
+                    count["on_plane" + suffix] += set(new.planes) == set(old.planes)
+        count["objects"] += sum(bool(o.rooms) for o in plan.objects)
+        count["hung"] += sum(bool(o.rooms and o.planes) for o in plan.objects)
     return count
+
+
+def _eyes(plan: SceneGraph, rng: np.random.Generator) -> dict[str, Array]:
+    """By object a place (3,) that a robot saw it from: anywhere in its room, off the walls."""
+    found = {}
+    for item in plan.objects:
+        room = plan.room_by_id[item.rooms[0]] if item.rooms else None
+        if room is None or room.footprint is None:
+            continue
+        outline = shapely.Polygon(room.footprint).buffer(-EYE_MARGIN)
+        x0, y0, x1, y1 = outline.bounds if not outline.is_empty else (0.0, 0.0, 0.0, 0.0)
+        for x, y in rng.uniform((x0, y0), (x1, y1), (TRIES, 2)).tolist():
+            if outline.contains(shapely.Point(x, y)):
+                found[item.id] = np.array([x, y, room.center[2]])
+                break
+    return found
 
 
 def _threshold(task: Mapping[str, Any]) -> dict[str, Any]:
@@ -162,6 +187,10 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "on_plane_right": _share(steps[True], "on_plane", "hung"),
         "in_room_right_at_0.2_m": _share(largest, "in_room", "objects"),
         "on_plane_right_at_0.2_m": _share(largest, "on_plane", "hung"),
+        "in_room_right_at_0.2_m_unseen": _share(largest, "in_room_unseen", "objects"),
+        "on_plane_right_at_0.2_m_unseen": _share(largest, "on_plane_unseen", "hung"),
+        "in_room_right_unseen": _share(steps[True], "in_room_unseen", "objects"),
+        "on_plane_right_unseen": _share(steps[True], "on_plane_unseen", "hung"),
         "in_room_right_walls_only": _share(steps[False], "in_room", "objects"),
         "on_plane_right_walls_only": _share(steps[False], "on_plane", "hung"),
         "objects": sum(s["objects"] for s in steps[True]),

@@ -38,7 +38,8 @@ class Track:
     """One object: its points in the frame of its anchor keyframe, and how often it was seen.
 
     ``hits`` (n,) counts the frames that saw each point; ``seen`` those that saw any of it, of which
-    ``frames`` are the latest.
+    ``frames`` are the latest. ``eye`` (3,) is where the camera was that saw it from nearest, in the
+    frame of the anchor.
     """
 
     number: int
@@ -50,6 +51,7 @@ class Track:
     expected: int = 0
     score: float = 0.0
     frames: tuple[int, ...] = ()
+    eye: Array = field(default_factory=lambda: np.zeros(3))
     center: Array = field(default_factory=lambda: np.zeros(3))
     shape: Array = field(default_factory=lambda: np.eye(3))
 
@@ -124,8 +126,17 @@ class ObjectMap:
                 found.append(Observation(category, _score(group, parts), group))
         return found
 
-    def add(self, keyframe: str, pose: Array, observations: Sequence[Observation]) -> list[Track]:
-        """Take in what a keyframe at ``pose`` (4, 4) saw; the objects it became, in order."""
+    def add(
+        self,
+        keyframe: str,
+        pose: Array,
+        observations: Sequence[Observation],
+        eye: Array | None = None,
+    ) -> list[Track]:
+        """Take in what a keyframe at ``pose`` (4, 4) saw; the objects it became, in order.
+
+        ``eye`` (3,) is the camera's place in the keyframe's frame; None: the keyframe's own.
+        """
         self._poses[keyframe] = np.asarray(pose, dtype=float)
         self._frame += 1
         became = []
@@ -133,6 +144,7 @@ class ObjectMap:
             hits = np.ones(len(observation.points))
             new = Track(self._next, observation.category, keyframe, observation.points, hits)
             new.seen, new.score, new.frames = 1, observation.score, (self._frame,)
+            new.eye = np.zeros(3) if eye is None else np.asarray(eye, dtype=float)
             self._next += 1
             self._refit(new)
             became.append(self._merge(new))
@@ -140,9 +152,12 @@ class ObjectMap:
         return list(dict.fromkeys(became))
 
     def expect(self, tracks: Sequence[Track]) -> None:
-        """Count objects that a frame should have shown; unseen ones lose confidence."""
+        """Count objects that a frame should have shown: unseen ones lose confidence, and in the
+        end are forgotten.
+        """  # noqa: D205
         for track in tracks:
             track.expected += 1
+        self._forget()
 
     def correct(self, poses: Mapping[str, Array]) -> None:
         """Move objects with their anchors' corrected poses (4, 4); merge what now meets."""
@@ -157,11 +172,7 @@ class ObjectMap:
 
     def nodes(self) -> tuple[tuple[Track, Object], ...]:
         """The objects of enough confidence with their scene-graph nodes, without relations."""
-        c = self.config
-        sure = [
-            t for t in self._tracks if t.confidence >= c.min_confidence and t.seen >= c.min_seen
-        ]
-        return tuple((t, _node(t)) for t in sure)
+        return tuple((t, _node(t)) for t in self._tracks if self._sure(t))
 
     def objects(self) -> tuple[Object, ...]:
         """The scene-graph nodes alone."""
@@ -172,6 +183,16 @@ class ObjectMap:
         pose = self._poses[track.anchor]
         moved: Array = track.points @ pose[:3, :3].T + pose[:3, 3]
         return moved
+
+    def _sure(self, track: Track) -> bool:
+        c = self.config
+        return track.confidence >= c.min_confidence and track.seen >= c.min_seen
+
+    def eye(self, track: Track) -> Array:
+        """Where in the map (3,) the camera was that saw an object from nearest."""
+        pose = self._poses[track.anchor]
+        place: Array = pose[:3, :3] @ track.eye + pose[:3, 3]
+        return place
 
     def _merge(self, new: Track) -> Track:
         """Unite ``new`` with every object of its category that it overlaps, the oldest first."""
@@ -212,6 +233,8 @@ class ObjectMap:
         if len(points) > self.config.max_object_points:
             most = np.argsort(-hits, kind="stable")[: self.config.max_object_points]
             points, hits = points[np.sort(most)], hits[np.sort(most)]
+        if _away(younger) < _away(older):
+            older.eye = change[:3, :3] @ younger.eye + change[:3, 3]
         older.points, older.hits = points, hits
         older.seen, older.score, older.frames = sightings(older, younger)
         older.expected = max(older.expected, younger.expected)
@@ -224,9 +247,28 @@ class ObjectMap:
             self.config.stray_share,
         )
 
+    def _forget(self) -> None:
+        """Leave out what was not seen again where it should be, and the oldest of the unsure.
+
+        Of the objects that were seen too seldom to be given out, those go that were not seen for
+        longest: what is never expected again must not pile up either.
+        """
+        c = self.config
+        kept = [t for t in self._tracks if t.confidence >= c.forget_confidence]
+        unsure = sorted((t for t in kept if not self._sure(t)), key=lambda t: -t.frames[-1])
+        gone = {t.number for t in unsure[c.max_unsure :]}
+        if gone or len(kept) < len(self._tracks):
+            self._tracks = [t for t in kept if t.number not in gone]
+            self._forget_poses()
+
     def _forget_poses(self) -> None:
         used = {t.anchor for t in self._tracks}
         self._poses = {k: p for k, p in self._poses.items() if k in used}
+
+
+def _away(track: Track) -> float:
+    """Distance (m) of an object's points from the camera that saw it from nearest."""
+    return float(np.linalg.norm(track.points.mean(axis=0) - track.eye))
 
 
 def _score(group: Array, parts: Sequence[tuple[float, Array]]) -> float:

@@ -48,6 +48,7 @@ class _Sparse:
     reach: float
     erosion: int
     ring: int
+    glass: float
 
 
 def labelled_clouds(
@@ -71,6 +72,7 @@ def labelled_clouds(
         reach,
         round(config.mask_erosion / step),
         max(2, round(config.ring_width / step)),
+        config.glass_share,
     )
     clouds = []
     for detection in detections:
@@ -132,7 +134,7 @@ def _points(image: _Sparse, whole: NDArray[np.bool_], category: str) -> Array:
     if category in GLASS:
         around = ndimage.binary_dilation(mask, iterations=image.ring)
         ring = around & ~ndimage.binary_dilation(mask)
-        return _on_wall(rays, z, good, ring, core, image.reach)
+        return _on_wall(rays, z, good, ring, core, image)
     pick = core & good
     points: Array = rays[pick] * z[pick][:, None]
     return points
@@ -159,17 +161,20 @@ def _on_wall(
     good: NDArray[np.bool_],
     ring: NDArray[np.bool_],
     core: NDArray[np.bool_],
-    reach: float,
+    image: _Sparse,
 ) -> Array:
     """The mask's rays cut with the plane of the wall around it (none if no plane is seen there).
 
     What stands before a window is in the ring too, and so is the wall with the doorway through
     which it is seen: a plane that all of the window's own depth lies behind is not its wall, nor is
-    one that more of the ring lies behind than on it, however far that is.
+    one that more of the ring lies behind than on it, however far that is. What has the wall's own
+    depth nearly everywhere is a picture or a paler piece of wall: in glass there is no depth, or
+    that of what lies behind.
     """
     around = rays[ring & good] * z[ring & good][:, None]
     # Far depth is too noisy to place things, but not to tell what lies behind a wall.
     own, depth = rays[core & (z > 0.0)], z[core & (z > 0.0)]
+    solid = own, depth
     if len(depth) < OWN_SHARE * core.sum():  # a patch behind the glass says nothing
         own, depth = own[:0], depth[:0]
     rim, rim_depth = rays[ring & (z > 0.0)], z[ring & (z > 0.0)]
@@ -181,10 +186,13 @@ def _on_wall(
         past = not len(depth) or float(np.quantile(_behind(own, depth, plane), 0.1)) < BEHIND
         on = int((np.abs(around @ normal + offset) < FLAT).sum())
         if past and on >= int((_behind(rim, rim_depth, plane) > BEHIND).sum()):
+            opaque = int((_behind(*solid, plane) < BEHIND).sum())
+            if opaque > (1.0 - image.glass) * int(core.sum()):
+                break
             picked = rays[core]
             with np.errstate(divide="ignore"):
                 scale = -offset / (picked @ normal)
-            near = (scale > 0.0) & (scale < reach)
+            near = (scale > 0.0) & (scale < image.reach)
             points: Array = picked[near] * scale[near][:, None]
             return points
         around = around[np.abs(around @ normal + offset) > 2.0 * FLAT]

@@ -61,6 +61,16 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             gt=0,
         ),
     ] = 8
+    glass_share: Annotated[
+        float,
+        setting(
+            "a window with less of its image without depth, or with depth behind its wall, is none",
+            "1",
+            "docs/objects.md",
+            ge=0,
+            le=1,
+        ),
+    ] = 0.4
     min_points: Annotated[
         int,
         setting("fewest voxels of a cluster", "1", "docs/objects.md", gt=0),
@@ -99,7 +109,7 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
         setting(
             "the same for a door or window where no room is known", "1", "docs/objects.md", ge=1
         ),
-    ] = 5
+    ] = 4
     merge_reach: Annotated[
         float,
         setting(
@@ -141,7 +151,20 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             ge=0,
             le=1,
         ),
-    ] = 0.4
+    ] = 0.5
+    forget_confidence: Annotated[
+        float,
+        setting("objects below this confidence are forgotten", "1", "docs/objects.md", ge=0, le=1),
+    ] = 0.15
+    max_unsure: Annotated[
+        int,
+        setting(
+            "most objects kept that are not sure enough to be given out",
+            "1",
+            "docs/objects.md",
+            ge=1,
+        ),
+    ] = 300
     visibility_margin: Annotated[
         float,
         setting(
@@ -211,12 +234,34 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             gt=0,
         ),
     ] = 2.2
+    door_narrowest: Annotated[
+        float,
+        setting(
+            "what is narrower than this is part of a door: its opening is looked for",
+            "m",
+            "usual door leaf",
+            gt=0,
+        ),
+    ] = 0.55
+    door_highest: Annotated[
+        float,
+        setting("what reaches higher over the floor is no door", "m", "usual door", gt=0),
+    ] = 2.6
+    opening_top: Annotated[
+        float,
+        setting(
+            "a door or window reaches at least as high over the floor",
+            "m",
+            "usual window sill and door",
+            ge=0,
+        ),
+    ] = 1.2
     door_sill: Annotated[
         float,
         setting(
             "what begins higher over the floor than this is no door", "m", "docs/objects.md", gt=0
         ),
-    ] = 0.9
+    ] = 0.6
     extent_margin: Annotated[
         float,
         setting(

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
 from situgraph.objects.config import ObjectsConfig
@@ -33,40 +32,44 @@ class WallGap(NamedTuple):
     ends: Array
     floor: float
 
+    @property
+    def width(self) -> float:
+        """From end to end (m)."""
+        return float(np.linalg.norm(self.ends[1] - self.ends[0]))
+
+    def lies_in(self, normal: Array, offset: float, height: float, config: ObjectsConfig) -> bool:
+        """Whether it is in the wall of a face (normal (3,), offset) of a room at a ``height``."""
+        span, middle = self.ends[1] - self.ends[0], self.ends.mean(axis=0)
+        return bool(
+            abs(float(span @ normal[:2])) <= ALONG * self.width
+            and abs(float(middle @ normal[:2]) + offset) <= config.wall_thickness
+            and 0.0 < height - self.floor < config.storey_height
+        )
+
 
 def supported(
     objects: Sequence[Object], gaps: Sequence[WallGap], graph: SceneGraph, config: ObjectsConfig
 ) -> tuple[Object, ...]:
     """The same objects, ``gap`` added to the evidence of each door that has one in its wall."""
-    if not gaps:
-        return tuple(objects)
-    ends = np.array([gap.ends for gap in gaps], dtype=float)
-    floors = np.array([gap.floor for gap in gaps])
     return tuple(
-        _confirmed(o) if o.category == "door" and _near(o, ends, floors, graph, config).any() else o
-        for o in objects
+        _confirmed(o) if any(_opens(o, gap, graph, config) for gap in gaps) else o for o in objects
     )
 
 
-def _near(
-    door: Object, ends: Array, floors: Array, graph: SceneGraph, config: ObjectsConfig
-) -> NDArray[np.bool_]:
-    """Which gaps (n, 2, 2) over ``floors`` (n,) lie in a wall of the door, where the door is."""
-    middle, span = ends.mean(axis=1), ends[:, 1] - ends[:, 0]
-    rise = door.center[2] - floors
-    found = np.zeros(len(ends), dtype=bool)
+def _opens(door: Object, gap: WallGap, graph: SceneGraph, config: ObjectsConfig) -> bool:
+    """Whether a gap lies in a wall of the door, where the door is."""
+    if door.category != "door":
+        return False
+    away = gap.ends.mean(axis=0) - np.array(door.center[:2])
     for key in door.planes:
         plane = graph.plane_by_id[key]
-        normal = np.array(plane.normal[:2])
-        before = middle @ normal + plane.offset
-        away = middle - np.array(door.center[:2])
-        along = np.linalg.norm(away - (away @ normal)[:, None] * normal, axis=1)
-        found |= (
-            (np.abs(span @ normal) <= ALONG * np.linalg.norm(span, axis=1))
-            & (np.abs(before) <= config.wall_thickness)
-            & (along <= config.doorway_merge)
-        )
-    return found & (rise > 0.0) & (rise < config.storey_height)
+        normal = np.array(plane.normal)
+        along = float(np.linalg.norm(away - (away @ normal[:2]) * normal[:2]))
+        if along <= config.doorway_merge and gap.lies_in(
+            normal, plane.offset, door.center[2], config
+        ):
+            return True
+    return False
 
 
 def _confirmed(door: Object) -> Object:

@@ -20,13 +20,16 @@ from numpy.typing import NDArray
 from situgraph.geometry.poses import Array
 from situgraph.objects.association import confidence, sightings
 from situgraph.objects.config import ObjectsConfig
+from situgraph.objects.gaps import WallGap
 from situgraph.objects.relations import RoomView, tangent
 from situgraph.scenegraph.graph import Ellipsoid, Object
 
 BEFORE, BEHIND = 0.15, 0.25  # m; points so near a face, on either side, are of an opening in it
 ENOUGH = 12  # points in the wall that carry a place
 SAMPLE = 400  # points of a thing that are enough to tell which wall it is in
+JAMB = 0.3  # m; a jamb that is seen beside a gap is no wider
 COLUMN = 0.1  # m; width of the columns in which sightings along a wall are counted
+FILLS = 0.85  # of a face's length; what is wider has no wall beside it
 DOOR_HITS = 2.0  # frames that saw a point of a door for it to bound the door
 VALLEY = 0.25  # of a well-seen column's sightings; where there are fewer, nothing is
 TRIM = (0.02, 0.98)  # share of the points that bound the opening along and up the wall
@@ -80,11 +83,16 @@ class Openings:
 
 
 def openings(
-    things: Sequence[Seen], views: tuple[RoomView, ...], config: ObjectsConfig
+    things: Sequence[Seen],
+    views: tuple[RoomView, ...],
+    config: ObjectsConfig,
+    gaps: Sequence[WallGap] = (),
 ) -> Openings:
     """The openings in the rooms' walls, and the numbers of the things that lie in no wall.
 
-    Of a door and a window that claim the same stretch, the one with more sightings stands.
+    Of a door and a window that claim the same stretch, the one with more sightings stands. Of wide
+    doors and of open ones often one jamb is all that the camera knows: such a piece of a door is
+    the whole gap that it bounds.
     """
     stretches: list[Stretch] = []
     homeless = []
@@ -94,6 +102,19 @@ def openings(
             homeless.append(thing.number)
         else:
             stretches += own
+    found = _merged(stretches, views, config)
+    found = _merged([_filled(s, gaps, views, config) for s in found], views, config)
+    named = [(key, s) for key, s in _named(found) if _plausible(s, views, config)]
+    sure = {key for key, s in named if _seen_enough(s, config) and _framed(s, views, config)}
+    objects = [_object(key, s, views) for key, s in named]
+    return Openings(
+        [o for o in objects if o.id in sure], [o for o in objects if o.id not in sure], homeless
+    )
+
+
+def _merged(
+    stretches: Sequence[Stretch], views: tuple[RoomView, ...], config: ObjectsConfig
+) -> list[Stretch]:
     found: list[Stretch] = []
     for stretch in sorted(stretches, key=lambda s: (-s.weight, s.numbers)):
         met = next((k for k, f in enumerate(found) if _same(f, stretch, views, config)), None)
@@ -101,12 +122,31 @@ def openings(
             found.append(stretch)
         elif found[met].category == stretch.category:
             found[met] = _united(found[met], stretch, views, config)
-    named = [(key, s) for key, s in _named(found) if _plausible(s, views, config)]
-    sure = {key for key, s in named if _seen_enough(s, config)}
-    objects = [_object(key, s, views) for key, s in named]
-    return Openings(
-        [o for o in objects if o.id in sure], [o for o in objects if o.id not in sure], homeless
-    )
+    return found
+
+
+def _filled(
+    piece: Stretch, gaps: Sequence[WallGap], views: tuple[RoomView, ...], config: ObjectsConfig
+) -> Stretch:
+    """A piece too narrow for a door, grown to the gap in its wall that it touches."""
+    width = piece.high - piece.low
+    if piece.category != "door" or width >= config.door_narrowest:
+        return piece
+    view = views[piece.view]
+    normal, offset = view.normals[piece.face], view.offsets[piece.face]
+    held = []
+    for gap in gaps:
+        if not gap.lies_in(normal, offset, (piece.bottom + piece.top) / 2.0, config):
+            continue
+        low, high = sorted((gap.ends @ tangent(normal)[:2]).tolist())
+        if low - JAMB <= piece.low and piece.high <= high + JAMB:
+            low, high = min(low, piece.low), max(high, piece.high)
+            if config.door_narrowest <= high - low <= config.door_widest:
+                held.append((high - low, low, high))
+    if held:
+        _, low, high = min(held)
+        piece = replace(piece, low=low, high=high)
+    return piece
 
 
 def _stretches(
@@ -264,9 +304,13 @@ def _united(
 
 
 def _plausible(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig) -> bool:
-    """Whether it is large enough, and a door begins near the floor."""
-    raised = stretch.bottom - views[stretch.view].floor
-    if stretch.category == "door" and raised > config.door_sill:
+    """Whether it is large enough, and lies at the height of a door or window."""
+    floor = views[stretch.view].floor
+    bottom, top = stretch.bottom - floor, stretch.top - floor
+    door = stretch.category == "door"
+    if top < config.opening_top or (
+        door and (bottom > config.door_sill or top > config.door_highest)
+    ):
         return False
     return (
         stretch.high - stretch.low >= config.opening_width
@@ -282,6 +326,18 @@ def stands(shape: Array, config: ObjectsConfig) -> bool:
 
 def _seen_enough(stretch: Stretch, config: ObjectsConfig) -> bool:
     return stretch.seen >= config.min_seen and stretch.confidence >= config.min_confidence
+
+
+def _framed(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig) -> bool:
+    """Whether a door is as wide as a door and there is some wall beside it.
+
+    What covers its whole face is the front of a cabinet, or an open leaf that SLAM took for a wall.
+    """
+    if stretch.category != "door":
+        return True
+    width = stretch.high - stretch.low
+    span = views[stretch.view].spans[stretch.face]
+    return width >= config.door_narrowest and (span is None or width <= FILLS * (span[1] - span[0]))
 
 
 def _named(found: list[Stretch]) -> list[tuple[str, Stretch]]:

@@ -12,10 +12,14 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
+from situgraph.geometry.poses import Array
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.doorways import EVIDENCE
 from situgraph.scenegraph.graph import Object, SceneGraph
 
+LEAF = 1.25  # m; a face that was seen over no more may be an open leaf
+HINGE = 0.3  # m; from the end of a door to that of its leaf
+ASKEW = 0.94  # cosine; a leaf that is open by less than 20 degrees is the door itself
 ACROSS = 0.5  # cosine; walls that meet at more than 60 degrees
 
 
@@ -53,6 +57,39 @@ def reconciled(
         else:
             added.append(passage)
     return (*out, *added)
+
+
+def without_leaves(objects: Sequence[Object], graph: SceneGraph) -> tuple[Object, ...]:
+    """The objects without the doors that are open leaves which SLAM took for a piece of wall.
+
+    Such a leaf is a door in a face hardly longer than itself; it stands askew to the wall of
+    another door and begins where that one ends. What the robot passed is no leaf.
+    """
+    doors = [o for o in objects if o.category == "door" and o.planes and o.ellipsoid is not None]
+    leaves = {o.id for o in doors if any(_hung(o, d, graph) for d in doors if d is not o)}
+    return tuple(o for o in objects if o.id not in leaves)
+
+
+def _hung(leaf: Object, door: Object, graph: SceneGraph) -> bool:
+    plane = graph.plane_by_id[leaf.planes[0]]
+    if plane.extent is None or "trajectory" in str(leaf.attributes.get(EVIDENCE)):
+        return False
+    length = float(np.linalg.norm(np.subtract(*plane.extent)))
+    facing = np.array(plane.normal[:2]) @ graph.plane_by_id[door.planes[0]].normal[:2]
+    other = graph.plane_by_id[door.planes[0]].extent
+    longer = other is None or float(np.linalg.norm(np.subtract(*other))) > length
+    if length > LEAF or not longer or abs(float(facing)) > ASKEW:
+        return False
+    apart = _ends(leaf, graph)[:, None] - _ends(door, graph)[None]
+    return bool(np.linalg.norm(apart, axis=2).min() <= HINGE)
+
+
+def _ends(door: Object, graph: SceneGraph) -> Array:
+    """The two ends (2, 2) of a door in the plan."""
+    assert door.ellipsoid is not None
+    normal = graph.plane_by_id[door.planes[0]].normal
+    half = door.ellipsoid.axes[0] * np.array([-normal[1], normal[0]])
+    return np.array([door.center[:2] - half, door.center[:2] + half])
 
 
 def united(door: Object, passage: Object) -> Object:

@@ -7,7 +7,7 @@ instead, which also serves rooms that are not convex.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -199,11 +199,15 @@ def _reach(item: Object, normal: Array) -> float:
     return float(np.sqrt(normal @ shape @ normal))
 
 
-def relate(item: Object, views: tuple[RoomView, ...], config: ObjectsConfig) -> Object:
+def relate(
+    item: Object, views: tuple[RoomView, ...], config: ObjectsConfig, eye: Array | None = None
+) -> Object:
     """The object with its relations: rooms, and for wall-mounted kinds the faces it is on.
 
     A door or window takes every room whose face it lies on, each through its own face: two for an
-    inner wall. Other wall-mounted things belong to the one room on whose side they hang.
+    inner wall. Other wall-mounted things belong to the one room on whose side they hang: where it
+    is known from where one was seen, ``eye`` (3,), that is the room of that place if one of its
+    walls is as near, since nobody looks through a wall. A thing just behind it was placed amiss.
     """
     point = np.array(item.center)
     if item.category in TWO_SIDED:
@@ -213,18 +217,26 @@ def relate(item: Object, views: tuple[RoomView, ...], config: ObjectsConfig) -> 
             planes = tuple(views[k].planes[i].id for k, i, _ in hosts)
             return msgspec.structs.replace(item, rooms=rooms, planes=tuple(dict.fromkeys(planes)))
     inside = room_of(point[None], views, config.visibility_margin)[0]
+    if eye is not None and item.category in WALL_MOUNTED:
+        viewer = room_of(eye[None], views, 0.0)[0]
+        if viewer is not None and viewer != inside and _on(item, views[viewer], config):
+            inside = viewer
     if inside is None:
         return msgspec.structs.replace(item, rooms=(), planes=())
     view = views[inside]
-    on: tuple[str, ...] = ()
-    if item.category in WALL_MOUNTED:
-        near = [
-            (gap, i)
-            for d, i in view.faces(point, _thin_direction(item), config)
-            if (gap := abs(d) - _reach(item, view.normals[i])) < config.wall_distance
-        ]
-        on = (view.planes[min(near)[1]].id,) if near else ()
-    return msgspec.structs.replace(item, rooms=(view.room.id,), planes=on)
+    on = _on(item, view, config) if item.category in WALL_MOUNTED else None
+    return msgspec.structs.replace(item, rooms=(view.room.id,), planes=(on,) if on else ())
+
+
+def _on(item: Object, view: RoomView, config: ObjectsConfig) -> str | None:
+    """The face of a room that a thing hangs on: the nearest within reach."""
+    point = np.array(item.center)
+    near = [
+        (gap, i)
+        for d, i in view.faces(point, _thin_direction(item), config)
+        if (gap := abs(d) - _reach(item, view.normals[i])) < config.wall_distance
+    ]
+    return view.planes[min(near)[1]].id if near else None
 
 
 def _hosts(
@@ -255,8 +267,18 @@ def _hosts(
     return hosts
 
 
-def related(graph: SceneGraph, config: ObjectsConfig | None = None) -> SceneGraph:
-    """The graph with the relations of all its objects found anew from geometry."""
+def related(
+    graph: SceneGraph,
+    config: ObjectsConfig | None = None,
+    eyes: Mapping[str, Array] | None = None,
+) -> SceneGraph:
+    """The graph with the relations of all its objects found anew from geometry.
+
+    ``eyes``: by object the place (3,) it was seen from, where that is known.
+    """
     config = config or ObjectsConfig()
     views = room_views(graph, config)
-    return graph.replace(objects=tuple(relate(o, views, config) for o in graph.objects))
+    known = eyes or {}
+    return graph.replace(
+        objects=tuple(relate(o, views, config, known.get(o.id)) for o in graph.objects)
+    )

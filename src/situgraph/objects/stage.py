@@ -16,7 +16,7 @@ from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap, supported
 from situgraph.objects.openings import Openings, Seen, openings, stands
-from situgraph.objects.reconcile import passed, reconciled
+from situgraph.objects.reconcile import passed, reconciled, without_leaves
 from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
 from situgraph.scenegraph.graph import Object, SceneGraph
 
@@ -62,7 +62,9 @@ class ObjectStage:
                 (cloud.score, cloud.points @ turn.T + shift)
             )
         expected = self._expected(view)
-        tracks = self.map.add(view.keyframe, view.pose, self.map.observations(parts))
+        tracks = self.map.add(
+            view.keyframe, view.pose, self.map.observations(parts), view.keyframe_T_camera[:3, 3]
+        )
         self.map.expect(list(dict.fromkeys([*expected, *tracks])))
         return len(tracks)
 
@@ -78,24 +80,28 @@ class ObjectStage:
         where the robot passed; a gap makes no door (walls have shadows) but confirms one.
         """
         views = room_views(graph, self.config)
-        found, free = self._placed(views)
+        found, free = self._placed(views, gaps)
         passages = doorways(path, graph, self.config)
         weak = [relate(o, views, self.config) for o in found.weak]
         backed = [o for o in weak if passed(o, passages, graph, self.config)]
         flat = [relate(o, views, self.config) for o in (*found.given, *backed)]
         # Where no wall was seen there is no opening in it.
-        seen = [o for o in flat if o.planes] + [relate(o, views, self.config) for o in free]
-        objects = reconciled(seen, passages, graph, self.config)
+        seen = [o for o in flat if o.planes]
+        seen += [relate(o, views, self.config, eye) for o, eye in free]
+        objects = without_leaves(reconciled(seen, passages, graph, self.config), graph)
         return graph.replace(objects=supported(objects, gaps, graph, self.config))
 
-    def _placed(self, views: tuple[RoomView, ...]) -> tuple[Openings, list[Object]]:
-        """Doors and windows in their walls, whatever their confidence; and all other objects.
+    def _placed(
+        self, views: tuple[RoomView, ...], gaps: Sequence[WallGap]
+    ) -> tuple[Openings, list[tuple[Object, Array]]]:
+        """Doors and windows in their walls, whatever their confidence; and all other objects, each
+        with the place (3,) that it was seen from.
 
         A door or window that lies in no wall of the room that holds it is none; where no room is
         known yet it stays as it was seen.
-        """
+        """  # noqa: D205
         flat = [t for t in self.map.tracks if t.category in TWO_SIDED]
-        found = openings([self._seen(t) for t in flat], views, self.config)
+        found = openings([self._seen(t) for t in flat], views, self.config, gaps)
         lost = set(found.homeless)
         unknown = {
             t.number
@@ -106,7 +112,7 @@ class ObjectStage:
             and room_of(t.center[None], views, 0.0)[0] is None
         }
         free = [
-            node
+            (node, self.map.eye(track))
             for track, node in self.map.nodes()
             if track.category not in TWO_SIDED or track.number in unknown
         ]
