@@ -98,3 +98,9 @@ def test_without_errors_all_relations_of_the_six_rooms_are_right(footprints) -> 
     count = _counts(six_rooms(), 0.0, footprints, np.random.default_rng(0), ObjectsConfig())
     assert count["in_room"] == count["objects"] > 30
     assert count["on_plane"] == count["hung"] > 25
+
+
+def test_where_a_thing_was_seen_from_tells_the_side_of_the_wall() -> None:
+    count = _counts(six_rooms(), 0.2, True, np.random.default_rng(0), ObjectsConfig())
+    assert count["in_room"] == count["objects"]
+    assert count["in_room_unseen"] < count["in_room"]

@@ -162,3 +162,10 @@ def test_an_object_knows_from_where_it_was_seen_best() -> None:
     assert np.allclose(world.eye(track), (1.0, -2.0, 0.5))
     world.correct({"k0": Placement(0.0, 1.0, 0.0, 0.0).matrix() @ pose(0, -5, 0.2)})
     assert np.allclose(world.eye(track), (1.0, -1.0, 0.5))
+
+
+def test_one_mask_over_two_doors_is_two_objects() -> None:
+    """What a network calls stuff has no instances: its one mask is split by the room between."""
+    stuff = np.concatenate([panel(0.0, 1), panel(2.0, 2)])
+    found = ObjectMap(ONCE).observations({"door": [(0.9, stuff)]})
+    assert sorted(round(float(o.points[:, 0].mean())) for o in found) == [0, 2]

@@ -102,6 +102,16 @@ def test_what_is_too_high_or_too_low_is_no_opening(category: str, bottom: float,
     assert given([thing(0, panel(0.0, 1.5, 2.4, bottom, top), category)]) == []
 
 
+def test_an_unsure_door_is_one_where_there_is_a_gap() -> None:
+    unsure = replace(thing(0, panel(4.0, 1.5, 2.4)), score=0.5 * 4)
+    gap, beside = (WallGap(np.array([[4.1, a], [4.1, b]]), 0.0) for a, b in ((1.5, 2.4), (2.3, 3)))
+    assert CONFIG.door_confidence > 0.4
+    assert openings([unsure], VIEWS, CONFIG, [beside]).given == []
+    assert len(openings([unsure], VIEWS, CONFIG, [gap]).given) == 1
+    window = replace(unsure, category="window")
+    assert len(openings([window], VIEWS, CONFIG).given) == 1
+
+
 def test_slivers_are_no_openings() -> None:
     found = given([thing(0, panel(4.0, 1.5, 1.7))])
     assert found == []

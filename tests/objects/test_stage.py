@@ -8,7 +8,7 @@ from situgraph.geometry.poses import Placement
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
 from situgraph.objects.doorways import doorways
-from situgraph.objects.gaps import WallGap
+from situgraph.objects.gaps import WallGap, in_walls
 from situgraph.objects.reconcile import reconciled, without_leaves
 from situgraph.objects.stage import ObjectStage, View
 from situgraph.scenegraph.graph import Ellipsoid, Object, Plane, SceneGraph
@@ -168,3 +168,24 @@ def test_an_open_leaf_that_became_a_piece_of_wall_is_no_second_door() -> None:
     assert without_leaves([door, leaf, other], graph) == (door, other)
     passed = msgspec.structs.replace(leaf, attributes={"evidence": "vision,trajectory"})
     assert passed in without_leaves([door, passed], graph)
+
+
+def test_who_passes_the_end_of_a_wall_passes_no_door() -> None:
+    graph = two_rooms()
+    seen = tuple(
+        msgspec.structs.replace(p, extent=((p.offset, 0.0), (p.offset, 1.0)))
+        if p.id == "a1"
+        else msgspec.structs.replace(p, extent=((4.2, 0.0), (4.2, 1.0)))
+        if p.id == "b0"
+        else p
+        for p in graph.planes
+    )
+    half = graph.replace(planes=seen)
+    passages = {
+        y: doorways(np.array([[3.0, y, 0.5], [6.0, y, 0.5]]), graph, ONCE) for y in (1.4, 3.0)
+    }
+    assert in_walls(passages[1.4], (), half, ONCE) == [*passages[1.4]]  # up to the doorway
+    assert in_walls(passages[3.0], (), half, ONCE) == []
+    assert in_walls(passages[3.0], (), graph, ONCE) == [*passages[3.0]]  # ends not known
+    gap = WallGap(np.array([[4.0, 2.5], [4.0, 3.5]]), 0.0)
+    assert in_walls(passages[3.0], [gap], half, ONCE) == [*passages[3.0]]

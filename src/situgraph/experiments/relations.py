@@ -26,7 +26,7 @@ from situgraph.plan.layouts import make_layout
 from situgraph.plan.six_rooms import six_rooms
 from situgraph.scenegraph.graph import Object, SceneGraph
 
-REVISION = 2
+REVISION = 3
 ERRORS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)  # m
 CLAIMED = 0.2  # m; the summary's figures are over errors up to this
 LAYOUTS = (12, 60)  # default, full

@@ -151,7 +151,7 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             ge=0,
             le=1,
         ),
-    ] = 0.5
+    ] = 0.4
     forget_confidence: Annotated[
         float,
         setting("objects below this confidence are forgotten", "1", "docs/objects.md", ge=0, le=1),
@@ -234,6 +234,16 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             gt=0,
         ),
     ] = 2.2
+    door_confidence: Annotated[
+        float,
+        setting(
+            "the same for a door where the LiDAR saw no gap and the robot did not pass",
+            "1",
+            "docs/objects.md",
+            ge=0,
+            le=1,
+        ),
+    ] = 0.57
     door_narrowest: Annotated[
         float,
         setting(

@@ -16,10 +16,11 @@ import numpy as np
 from situgraph.geometry.poses import Array
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.doorways import EVIDENCE
-from situgraph.scenegraph.graph import Object, SceneGraph
+from situgraph.scenegraph.graph import Object, Plane, SceneGraph
 
 GAP = "gap"
 ALONG = 0.17  # sine of the angle between a gap and the wall it is in; 10 degrees
+PAST = 0.6  # m; half of a door, and a jamb that was not seen
 
 
 class WallGap(NamedTuple):
@@ -45,6 +46,31 @@ class WallGap(NamedTuple):
             and abs(float(middle @ normal[:2]) + offset) <= config.wall_thickness
             and 0.0 < height - self.floor < config.storey_height
         )
+
+
+def in_walls(
+    passages: Sequence[Object], gaps: Sequence[WallGap], graph: SceneGraph, config: ObjectsConfig
+) -> list[Object]:
+    """The passages that lead through a wall, not past the end of one into an open side.
+
+    There the wall was seen, on both sides or up to the doorway, or the LiDAR saw a gap of its.
+    """
+    return [
+        p
+        for p in passages
+        if any(_beside(p, graph.plane_by_id[key]) <= PAST for key in p.planes)
+        or any(_opens(p, gap, graph, config) for gap in gaps)
+    ]
+
+
+def _beside(passage: Object, plane: Plane) -> float:
+    """How far (m) a passage lies past the seen ends of a face; 0 between them or if unknown."""
+    if plane.extent is None:
+        return 0.0
+    along = np.array([-plane.normal[1], plane.normal[0]])
+    low, high = sorted((np.array(plane.extent) @ along).tolist())
+    at = float(np.array(passage.center[:2]) @ along)
+    return max(float(low) - at, at - float(high), 0.0)
 
 
 def supported(

@@ -105,7 +105,11 @@ def openings(
     found = _merged(stretches, views, config)
     found = _merged([_filled(s, gaps, views, config) for s in found], views, config)
     named = [(key, s) for key, s in _named(found) if _plausible(s, views, config)]
-    sure = {key for key, s in named if _seen_enough(s, config) and _framed(s, views, config)}
+    sure = {
+        key
+        for key, s in named
+        if _seen_enough(s, gaps, views, config) and _framed(s, views, config)
+    }
     objects = [_object(key, s, views) for key, s in named]
     return Openings(
         [o for o in objects if o.id in sure], [o for o in objects if o.id not in sure], homeless
@@ -132,17 +136,12 @@ def _filled(
     width = piece.high - piece.low
     if piece.category != "door" or width >= config.door_narrowest:
         return piece
-    view = views[piece.view]
-    normal, offset = view.normals[piece.face], view.offsets[piece.face]
     held = []
-    for gap in gaps:
-        if not gap.lies_in(normal, offset, (piece.bottom + piece.top) / 2.0, config):
-            continue
-        low, high = sorted((gap.ends @ tangent(normal)[:2]).tolist())
+    for low, high in _gaps(piece, gaps, views, config):
         if low - JAMB <= piece.low and piece.high <= high + JAMB:
-            low, high = min(low, piece.low), max(high, piece.high)
-            if config.door_narrowest <= high - low <= config.door_widest:
-                held.append((high - low, low, high))
+            whole = min(low, piece.low), max(high, piece.high)
+            if config.door_narrowest <= whole[1] - whole[0] <= config.door_widest:
+                held.append((whole[1] - whole[0], *whole))
     if held:
         _, low, high = min(held)
         piece = replace(piece, low=low, high=high)
@@ -324,8 +323,32 @@ def stands(shape: Array, config: ObjectsConfig) -> bool:
     return bool(2.0 * high >= config.opening_width and 2.0 * wide >= config.opening_width)
 
 
-def _seen_enough(stretch: Stretch, config: ObjectsConfig) -> bool:
-    return stretch.seen >= config.min_seen and stretch.confidence >= config.min_confidence
+def _seen_enough(
+    stretch: Stretch, gaps: Sequence[WallGap], views: tuple[RoomView, ...], config: ObjectsConfig
+) -> bool:
+    """Whether the camera is sure enough of it; of a door without a gap it must be surer."""
+    least = config.min_confidence
+    if stretch.category == "door" and stretch.confidence < config.door_confidence:
+        held = _gaps(stretch, gaps, views, config)
+        shared = [min(stretch.high, b) - max(stretch.low, a) for a, b in held]
+        if max(shared, default=0.0) < 0.5 * (stretch.high - stretch.low):
+            least = config.door_confidence
+    return stretch.seen >= config.min_seen and stretch.confidence >= least
+
+
+def _gaps(
+    stretch: Stretch, gaps: Sequence[WallGap], views: tuple[RoomView, ...], config: ObjectsConfig
+) -> list[tuple[float, float]]:
+    """From where to where along the stretch's face the gaps in its wall reach."""
+    view = views[stretch.view]
+    normal, offset = view.normals[stretch.face], view.offsets[stretch.face]
+    height = (stretch.bottom + stretch.top) / 2.0
+    ends = [
+        sorted((gap.ends @ tangent(normal)[:2]).tolist())
+        for gap in gaps
+        if gap.lies_in(normal, offset, height, config)
+    ]
+    return [(low, high) for low, high in ends]
 
 
 def _framed(stretch: Stretch, views: tuple[RoomView, ...], config: ObjectsConfig) -> bool:

@@ -14,7 +14,7 @@ from situgraph.objects.cloud import labelled_clouds, max_range
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.doorways import doorways
-from situgraph.objects.gaps import WallGap, supported
+from situgraph.objects.gaps import WallGap, in_walls, supported
 from situgraph.objects.openings import Openings, Seen, openings, stands
 from situgraph.objects.reconcile import passed, reconciled, without_leaves
 from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
@@ -81,7 +81,7 @@ class ObjectStage:
         """
         views = room_views(graph, self.config)
         found, free = self._placed(views, gaps)
-        passages = doorways(path, graph, self.config)
+        passages = in_walls(doorways(path, graph, self.config), gaps, graph, self.config)
         weak = [relate(o, views, self.config) for o in found.weak]
         backed = [o for o in weak if passed(o, passages, graph, self.config)]
         flat = [relate(o, views, self.config) for o in (*found.given, *backed)]
