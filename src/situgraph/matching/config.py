@@ -106,6 +106,9 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     outside_prior: Annotated[
         float, setting("The robot is not in this plan", "1", _DESIGN, gt=0, lt=1)
     ] = 0.01
+    p_tied: Annotated[
+        float, setting("Rooms elsewhere stand to each other as here", "1", _MODEL, ge=0, le=1)
+    ] = 0.07
     mirror_prior: Annotated[float, setting("The plan is mirrored", "1", _MODEL, ge=0, lt=1)] = 0.001
     plan_margin: Annotated[
         float, setting("The plan reaches this far beyond its room centres", "m", _MODEL, gt=0)

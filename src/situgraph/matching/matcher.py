@@ -65,7 +65,7 @@ def match_knowing(
     inputs = prepare(online, index, semantics, settings)
     searched = time.perf_counter()
     peaks = find(inputs, inputs.least, known)
-    outside = log_outside(peaks.alike, inputs.seen.shape, index.rooms, settings)
+    outside = log_outside(peaks.alike, inputs.seen, index.rooms, settings)
     filtered = semantics == "containment"
     posterior = judge(peaks.place, peaks.shift, outside, index.area, settings, filtered=filtered)
     mirror, complete = -math.inf, not peaks.done[3]

@@ -13,7 +13,9 @@ from situgraph.experiments.oracle.explained import FIT, MISSING, MOVED, pair_up
 from situgraph.experiments.oracle.grids import grid
 from situgraph.experiments.oracle.likelihood import evidence, plan_area, wall_evidence
 from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.oracle.wall_lines import tied
 from situgraph.geometry.poses import Placement
+from situgraph.matching import PlanIndex, match
 from situgraph.scenegraph.graph import Object, Plane, SceneGraph, Storey
 
 HERE = Placement()
@@ -230,3 +232,22 @@ def test_containment_lets_a_room_with_an_object_too_many_go() -> None:
     # The wall with the door has no counterpart; that one missing wall is forgiven.
     (pair,) = explained_at(problem(elsewhere, plan, "containment"), HERE).pairs
     assert [p.state for p in pair.planes].count(MISSING) == 1
+
+
+@pytest.mark.parametrize(("rows", "columns", "ties"), [(1, 1, 0), (1, 2, 2), (2, 2, 6)])
+def test_rooms_that_stand_wall_to_wall_tie_each_other(rows: int, columns: int, ties: int) -> None:
+    assert tied(problem(grid(rows, columns), grid(3, 3))) == ties
+
+
+def test_rooms_apart_from_each_other_are_not_tied() -> None:
+    online = grid(2, 2)
+    apart = online.replace(rooms=(online.rooms[0],))
+    assert tied(problem(apart, grid(3, 3))) == 0
+
+
+def test_the_matcher_gives_outside_the_weight_that_the_brute_force_gives_it() -> None:
+    for rows, columns in [(1, 2), (2, 2)]:
+        online, prior = grid(rows, columns), grid(3, 4)
+        own = answer(problem(online, prior))
+        told = match(online, PlanIndex(prior), semantics="none")
+        assert told.probability_outside == pytest.approx(own.probability_outside, rel=1e-3)

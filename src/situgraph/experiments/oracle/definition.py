@@ -32,6 +32,7 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     p_missing_shared: float = 0.1
     p_false_room: float = 0.1
     outside_prior: float = 0.01
+    p_tied: float = 0.07
     mirror_prior: float = 0.001
     shape_walls: float = 4.0
     plan_margin: float = 5.0

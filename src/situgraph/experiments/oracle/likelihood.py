@@ -20,6 +20,7 @@ from situgraph.experiments.oracle.moved_walls import moved_together
 from situgraph.experiments.oracle.objects import most_object_evidence, object_evidence
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.experiments.oracle.regions import Regions
+from situgraph.experiments.oracle.wall_lines import tied
 
 
 def wall_evidence(problem: Problem, seen: View) -> float:
@@ -105,4 +106,5 @@ def log_weight_outside(problem: Problem, regions: Regions) -> float:
         alike = sum(regions.fits_somewhere(r, a) for a in range(len(problem.planned)))
         gain = (c.clutter_length / (2 * c.fit_limit)) ** walls
         total += math.log(1 + alike / len(problem.planned) * gain) if walls > 0 else 0.0
-    return total
+    same = c.p_tied * c.clutter_length / (2 * c.fit_limit)
+    return total + tied(problem) * math.log(1 + same)
