@@ -60,3 +60,20 @@ def test_a_house_is_found_from_a_few_rooms(shared_data: Path) -> None:
     (row,) = map(real.solve, tasks)
     assert row["wrong"] == 0
     assert row["right"] == 3
+
+
+@pytest.mark.external
+def test_a_pair_that_is_not_unique_names_its_rival_and_the_moved_walls(
+    shared_data: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(real, "FRAMES", 0)
+    (task,) = (
+        t
+        for t in real.se1_tasks(shared_data, 0)
+        if (t["part"], t["semantics"], t["log"], t["plan"]) == ("SE1", "likelihood", "R3", "T4")
+    )
+    pair = real.summarise([real.solve(task)])["SE1 by pair"]["R3 x T4"]
+    assert pair["outcome"] == "ambiguous"
+    assert 0.01 <= pair["rival_share"] <= 1
+    assert pair["rival_turned_deg"] == pytest.approx(180, abs=3)
+    assert " m" in pair["moved"]

@@ -23,7 +23,7 @@ from situgraph.experiments.outcomes import OUTCOMES, Judge, tally
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
 from situgraph.geometry.poses import Placement
-from situgraph.matching import PlanIndex, match
+from situgraph.matching import MatchResult, PlanIndex, match
 from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.sampler import Sampler
 from situgraph.scenegraph.graph import SceneGraph
@@ -36,6 +36,10 @@ FRAMES = 20  # of each pair of SE1
 LOGS = ("R3", "R4", "R5", "R6", "R7", "R8", "RAll")
 PLANS = ("T0", "T1", "T2", "T3", "T4", "T5")
 ELSEWHERE = ("R3", "R4", "R5", "R7", "R8")  # logs whose FIXed part is another building
+TOLD = (
+    "outcome", "solutions", "probability", "rival_share", "rival_turned_deg", "rival_rooms",
+    "rival_moved", "best_moved", "moved",
+)  # fmt: skip
 SE1 = Placement(x=2.48)  # map to building, known to some centimetres and a degree (FACTS.md)
 
 
@@ -52,7 +56,9 @@ def run(options: RunOptions) -> ExperimentResult:
         raise InputError(data, "no such folder", "name it with --extra data=FOLDER")
     trials = int(options.extra.get("trials", TRIALS[options.full]))
     tasks = [*se1_tasks(data, options.seed), *model_tasks(data, options.seed, trials)]
-    result = run_experiment(Experiment("real", tasks, solve, summarise, options.seed), options)
+    result = run_experiment(
+        Experiment("real", tasks, solve, summarise, options.seed, revision=2), options
+    )
     if options.folder is not None:
         draw(result, options.folder)
     return result
@@ -123,8 +129,27 @@ def _solve_se1(task: Mapping[str, Any]) -> dict[str, Any]:
         "frames_alike": sum(other[:2] == found[0][:2] for other in found[1:]),
         "probability": best.probability if best else None,
         "probability_outside": logged.probability_outside, "reason": logged.reason,
-        "deviations": len(best.deviations) if best else 0,
+        "deviations": len(best.deviations) if best else 0, **_told(logged),
     }  # fmt: skip
+
+
+def _told(result: MatchResult) -> dict[str, Any]:
+    """Which walls of the plan the best solution finds moved, and what the next best is worth."""
+    best, rival = result.best, result.candidate(1)
+    if best is None:
+        return {}
+    moved = {best.planes[d.plane]: d.offset for d in best.deviations if d.plane in best.planes}
+    told: dict[str, Any] = {
+        "moved": ", ".join(f"{wall} {offset:+.2f} m" for wall, offset in sorted(moved.items()))
+    }
+    if rival is not None:
+        turned = rival.transform.yaw - best.transform.yaw
+        told |= {
+            "rival_share": rival.probability / best.probability,
+            "rival_turned_deg": abs(math.degrees(math.remainder(turned, 2 * math.pi))),
+            "rival_rooms": len(rival.rooms), "rival_moved": rival.moved, "best_moved": best.moved,
+        }  # fmt: skip
+    return told
 
 
 def _se1_graphs(task: Mapping[str, Any]) -> tuple[SceneGraph, SceneGraph]:
@@ -181,6 +206,9 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
         )
         case["frames"] = case.get("frames", 0) + row["frames"]
         case["frames_alike"] = case.get("frames_alike", 0) + row["frames_alike"]
+        if row["part"] == "SE1" and row["semantics"] == "likelihood":
+            pairs = summary.setdefault("SE1 by pair", {})
+            pairs[f"{row['log']} x {row['plan']}"] = {key: row[key] for key in TOLD if key in row}
     return summary
 
 
@@ -193,7 +221,7 @@ def draw(result: ExperimentResult, folder: Path) -> None:
             f"{building}, {case.split()[0]} rooms": counts
             for building, by in result.summary.items()
             for case, counts in by.items()
-            if case.endswith(f" {semantics}")
+            if "outcome" not in counts and case.endswith(f" {semantics}")
         }
         figure = draw_outcomes(cases, title=f"Real buildings, {semantics}")
         figure.savefig(folder / f"real-{semantics}.png", dpi=150, bbox_inches="tight")
