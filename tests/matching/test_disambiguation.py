@@ -89,6 +89,7 @@ def test_the_advice_does_not_depend_on_the_frame() -> None:
 
 
 def test_who_follows_it_is_located_sooner() -> None:
-    tasks = [{"kind": "modular", "semantics": "none", "seed": n} for n in range(12)]
+    # Few robots need more than one further room, so a dozen would leave it to luck.
+    tasks = [{"kind": "modular", "semantics": "none", "seed": n} for n in range(60)]
     found = summarise([solve(t) for t in tasks])["none"]
     assert found["mean_rooms_advice"] <= found["mean_rooms_random"]
