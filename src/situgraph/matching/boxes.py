@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.containment import room_allowed
+from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, Slack, may_explain, wrapped
 from situgraph.matching.lookup import find
 from situgraph.matching.pairing import add_option, pair_up
@@ -40,6 +40,33 @@ def radius(box):
 
 
 @part
+def join(box, other, most):
+    """Widen ``box`` to hold ``other``, of the same anchor; False, and nothing done.
+
+    Where a half width would be more than ``most``, or the yaws differ by more than half of theirs.
+    """
+    turned = wrapped(other[YAW] - box[YAW])
+    if abs(turned) > box[TURN] / 2:
+        return False
+    along = abs(box[UX] * other[UX] + box[UY] * other[UY])
+    across = abs(box[UX] * other[UY] - box[UY] * other[UX])
+    x, y = other[PX] - box[PX], other[PY] - box[PY]
+    u, v = x * box[UX] + y * box[UY], y * box[UX] - x * box[UY]
+    hu, hv = along * other[HU] + across * other[HV], across * other[HU] + along * other[HV]
+    u0, u1 = min(-box[HU], u - hu), max(box[HU], u + hu)
+    v0, v1 = min(-box[HV], v - hv), max(box[HV], v + hv)
+    if u1 - u0 > 2 * most or v1 - v0 > 2 * most:
+        return False
+    low, high = min(-box[TURN], turned - other[TURN]), max(box[TURN], turned + other[TURN])
+    box[YAW], box[TURN] = box[YAW] + (low + high) / 2, (high - low) / 2
+    u, v = (u0 + u1) / 2, (v0 + v1) / 2
+    box[PX] += u * box[UX] - v * box[UY]
+    box[PY] += u * box[UY] + v * box[UX]
+    box[HU], box[HV] = (u1 - u0) / 2, (v1 - v0) / 2
+    return True
+
+
+@part
 def possible(case, box, r):
     """Whether room ``r`` may be explained somewhere in the box."""
     seen, finder, task = case.seen, case.finder, case.task
@@ -57,7 +84,7 @@ def possible(case, box, r):
     slack = slack_of(box, wx, wy)
     for k in range(found):
         a = finder.room[k]
-        if room_allowed(case, r, a) and may_explain(
+        if may_be(case, r, a) and may_explain(
             case, r, a, box[YAW], box[PX] + wx, box[PY] + wy, slack
         ):
             return True
@@ -211,7 +238,7 @@ def _span(case, box, r):
         spans.low[side, r], spans.high[side, r] = math.inf, -math.inf
     for k in range(found):
         a = finder.room[k]
-        if not room_allowed(case, r, a):
+        if not may_be(case, r, a):
             continue
         if not may_explain(case, r, a, box[YAW], x, y, slack):
             continue

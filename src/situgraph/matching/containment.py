@@ -40,6 +40,12 @@ def room_allowed(case, r, a):
 
 
 @part
+def may_be(case, r, a):
+    """Whether prior room ``a`` is allowed for ``r`` and explains it in isolation, as far as known."""
+    return (case.found.like[r, a >> 6] >> (a & 63)) & 1 == 1
+
+
+@part
 def plane_allowed(case, i, j):
     """Whether the prior plane of row ``j`` holds what the online plane of row ``i`` holds."""
     content = case.content

@@ -48,6 +48,7 @@ from situgraph.matching.tables import (
 )
 from situgraph.matching.views import look
 
+WAITING = 64  # boxes of one pair of rooms that are put together
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
 FOUND = 8  # the place of ``Found`` among the records a case has to work in
 ROOM = 1024  # for peaks, to begin with
@@ -152,7 +153,7 @@ def _case(
         (Tally, ((seen.planes, 8), seen.planes)),
         (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
         (Groups, (rooms + 2, rooms, rooms, rooms)),
-        (Found, ((peaks, 4), 5, rooms, (DEPTH, SIDES))),
+        (Found, ((peaks, 4), 5, rooms, (DEPTH, SIDES), (WAITING, SIDES), (rooms, prior // 64 + 1))),
         (View, view),
         (View, view),
     ]
@@ -211,14 +212,18 @@ def _raise_all(case):
 
 @part
 def _shapes_alike(case):
-    """For each online room, how many prior rooms explain it in isolation."""
-    seen, plan, alike = case.seen, case.plan, case.found.alike
+    """Mark, for each online room, the allowed prior rooms that explain it in isolation.
+
+    They are counted for rooms of more than two planes; of the others none is excluded.
+    """
+    seen, plan, alike, like = case.seen, case.plan, case.found.alike, case.found.like
     for r in range(len(seen.storey)):
-        if seen.first[r + 1] - seen.first[r] < 3:
-            continue
+        few = seen.first[r + 1] - seen.first[r] < 3
         for a in range(len(plan.storey)):
-            if room_allowed(case, r, a) and fits_somewhere(case, r, a):
-                alike[r] += 1
+            if room_allowed(case, r, a) and (few or fits_somewhere(case, r, a)):
+                like[r, a >> 6] |= 1 << (a & 63)
+                if not few:
+                    alike[r] += 1
 
 
 @entry

@@ -15,7 +15,7 @@ from situgraph.matching.boxes import (
     slack_of,
 )
 from situgraph.matching.compiled import part
-from situgraph.matching.containment import room_allowed
+from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.lookup import find
 
@@ -59,7 +59,7 @@ def represented(case, box, at):
         tx, ty = at[1] + ca * cx - sa * cy, at[2] + sa * cx + ca * cy
         for k in range(found):
             a = finder.room[k]
-            if not room_allowed(case, r, a):
+            if not may_be(case, r, a):
                 continue
             if not may_explain(case, r, a, box[YAW], x, y, slack):
                 continue

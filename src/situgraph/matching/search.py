@@ -18,6 +18,7 @@ from situgraph.matching.boxes import (
     UX,
     UY,
     YAW,
+    join,
     narrow,
     possible,
     radius,
@@ -25,7 +26,7 @@ from situgraph.matching.boxes import (
     slack_of,
 )
 from situgraph.matching.compiled import part
-from situgraph.matching.containment import room_allowed
+from situgraph.matching.containment import may_be
 from situgraph.matching.explained import give, may_explain, wrapped
 from situgraph.matching.groups import form_groups
 from situgraph.matching.hypotheses import copy_box, pair_box, pair_of, pairs_of, split
@@ -41,6 +42,7 @@ from situgraph.matching.views import (
 ROUNDS = 8  # of shrinking one box
 GAIN = 0.8  # a round that leaves more of the box is the last
 GUESSES = 3  # least squares from relaxed correspondences
+JOINED = 0.3  # half widths of a box put together of several, at most, metres
 NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 
 
@@ -77,7 +79,7 @@ def search(case):
         if storey < 0:
             continue
         for a in range(len(plan.storey)):
-            if plan.storey[a] == storey and room_allowed(case, r, a) and not _exhausted(case):
+            if plan.storey[a] == storey and may_be(case, r, a) and not _exhausted(case):
                 _hypotheses(case, g, r, a)
     if made < rooms - task.least + 1:
         _corridors(case, made)
@@ -86,14 +88,15 @@ def search(case):
 @part
 def _hypotheses(case, g, r, a):
     """All placements at which a pair of crossing planes of ``r`` finds ``a``, for group ``g``."""
-    seen, plan = case.seen, case.plan
+    seen, plan, found = case.seen, case.plan, case.found
     box = scratch(SIDES)
     pairs, reach = pairs_of(case, r)
+    waiting = 0
     for c in range(pairs):
         if _exhausted(case):
             return
         i, k = pair_of(case, r, c)
-        case.found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
+        found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
         for j in range(plan.first[a], plan.first[a + 1]):
             for m in range(plan.first[a], plan.first[a + 1]):
                 box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
@@ -104,9 +107,38 @@ def _hypotheses(case, g, r, a):
                     continue
                 if reach > case.limits.fit and not narrow(case, box, r, a):
                     continue
-                case.found.count[TRIED] += 1
-                if _partners(case, box, g):
-                    explore(case, box)
+                if waiting == len(found.waiting):
+                    _try_waiting(case, g, waiting)
+                    waiting = 0
+                waiting = _gather(case, box, waiting)
+    _try_waiting(case, g, waiting)
+
+
+@part
+def _gather(case, box, waiting):
+    """Put a box to those that wait: into one that it lies beside, or as one more.
+
+    The corners of a room find nearly the same placements, and their partners need one look only.
+    Returns how many wait then.
+    """
+    for k in range(waiting):
+        if join(case.found.waiting[k], box, JOINED):
+            return waiting
+    copy_box(box, case.found.waiting[waiting])
+    return waiting + 1
+
+
+@part
+def _try_waiting(case, g, waiting):
+    """Search the boxes that wait, but for those in which a partner cannot be explained."""
+    box = scratch(SIDES)
+    for k in range(waiting):
+        if _exhausted(case):
+            return
+        copy_box(case.found.waiting[k], box)
+        case.found.count[TRIED] += 1
+        if _partners(case, box, g):
+            explore(case, box)
 
 
 @part
@@ -170,12 +202,12 @@ def _crossing(case, r, q, box):
     box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
     wx, wy = seen.center[q, 0] - box[AX], seen.center[q, 1] - box[AY]
     for a in range(len(plan.storey)):
-        if plan.storey[a] != one or not room_allowed(case, r, a):
+        if plan.storey[a] != one or not may_be(case, r, a):
             continue
         for b in range(len(plan.storey)):
             if _exhausted(case):
                 return
-            if plan.storey[b] != two or not room_allowed(case, q, b):
+            if plan.storey[b] != two or not may_be(case, q, b):
                 continue
             for j in range(plan.first[a], plan.first[a + 1]):
                 for m in range(plan.first[b], plan.first[b + 1]):

@@ -226,6 +226,8 @@ class Found(NamedTuple):
     count: Ints  # type: ignore[assignment]  # (5,) peaks, hypotheses, boxes, incomplete, work
     alike: Ints  # (N,) how many prior rooms explain each online room in isolation
     stack: Table  # (k, SIDES) boxes to be searched
+    waiting: Table  # (k, SIDES) boxes in which an anchor finds one prior room
+    like: IntTable  # (N, words) bit a: whether prior room a explains it in isolation
 
 
 class Case(NamedTuple):
