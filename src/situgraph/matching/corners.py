@@ -72,8 +72,11 @@ class Entering(NamedTuple):
     row: Table  # (Q, 4)
     storey: Ints  # (M,)
     start: Ints  # (2^bits + 1,) counts, then, for the second pass, where each bucket begins
-    room: Short  # (k,); empty when they are only counted
+    entry: Short  # (k,) corners; empty when they are only counted
     tag: Short
+    begin: Ints  # (M + 1,) each room's place among all corners
+    place: Table  # (C, 2) of each corner
+    owner: Ints  # (C,) its room
     corner: Table  # (MOST_CORNERS, 3)
     cell: float
     reach: float
@@ -84,7 +87,7 @@ class Entering(NamedTuple):
 
 @entry
 def enter_corners(place):
-    """Enter all corners of an ``Entering``; with empty ``room`` only count them.
+    """Enter all corners of an ``Entering``; with empty ``entry`` only count them.
 
     Into ``start[bucket + 1]``.
     """
@@ -93,11 +96,14 @@ def enter_corners(place):
         count = corners_of(table.first, table.row, a, table.sine, table.corner)
         if count <= MOST_CORNERS:
             for c in range(count):
-                _enter(table, a, table.corner[c])
+                k = table.begin[a] + c
+                table.place[k, 0], table.place[k, 1] = table.corner[c, 0], table.corner[c, 1]
+                table.owner[k] = a
+                _enter(table, a, k, table.corner[c])
 
 
 @part
-def _enter(table, a, corner):
+def _enter(table, a, k, corner):
     start, cell, reach = table.start, table.cell, table.reach
     mask = (1 << table.bits) - 1
     low = sector_of(corner[2] - table.slack)
@@ -110,33 +116,55 @@ def _enter(table, a, corner):
             for iy in range(y0, y1 + 1):
                 h = bucket(table.storey[a], (low + s) % SECTORS, ix, iy)
                 b = h & mask
-                if len(table.room) == 0:
+                if len(table.entry) == 0:
                     start[b + 1] += 1
                 else:
-                    table.room[start[b]] = a
+                    table.entry[start[b]] = k
                     table.tag[start[b]] = (h >> 24) & 0xFFFF
                     start[b] += 1
 
 
+class Corners(NamedTuple):
+    """All corners of the rooms that have not too many."""
+
+    begin: Ints  # (M + 1,) each room's, with room to spare
+    place: Floats  # (C, 2)
+    owner: Ints  # (C,)
+
+
+def room_for_corners(first: Ints) -> Corners:
+    """Room for the corners of all rooms, which the first table fills."""
+    planes = np.diff(first)
+    most = np.minimum(planes * (planes - 1) // 2, MOST_CORNERS)
+    begin = np.concatenate([[0], np.cumsum(most)]).astype(np.int64)
+    return Corners(begin, np.zeros((begin[-1], 2)), np.zeros(begin[-1], dtype=np.int64))
+
+
 def corner_table(
-    first: Ints, row: Floats, storey: Ints, cell: float, reach: float, config: MatchingConfig
+    first: Ints,
+    row: Floats,
+    storey: Ints,
+    corners: Corners,
+    cell: float,
+    reach: float,
+    config: MatchingConfig,
 ) -> tuple[Ints, Any, Any]:
-    """Buckets of corners: ``start`` (2^bits + 1,), rooms and tags."""
+    """Buckets of corners: ``start`` (2^bits + 1,), corners and tags; fills ``corners``."""
     slack = 2 * config.angle_tolerance + ROUNDING
     least = 0.95 * math.sin(max(math.asin(config.parallel_sine) - 2 * config.angle_tolerance, 0.01))
-    corners = np.diff(first) ** 2 / 4
     cells = (2 * reach / cell + 1) ** 2 * 2
-    bits = int(np.clip(math.ceil(math.log2(max(corners.sum() * cells, 1))), 6, 24))
+    number = (np.diff(first) ** 2 / 4).sum()
+    bits = int(np.clip(math.ceil(math.log2(max(number * cells, 1))), 6, 24))
     start = np.zeros((1 << bits) + 1, dtype=np.int64)
-    room = tag = np.empty(0, dtype=np.int32)
+    entry = tag = np.empty(0, dtype=np.int32)
     work = np.empty((MOST_CORNERS, 3))
     tables = (first, row, storey)
-    sizes = (work, cell, reach, slack, least, bits)
-    block = slots_of(Entering, (*tables, start, room, tag, *sizes))
+    sizes = (*corners, work, cell, reach, slack, least, bits)
+    block = slots_of(Entering, (*tables, start, entry, tag, *sizes))
     enter_corners(address(block))
     np.cumsum(start, out=start)
-    room, tag = (np.empty(int(start[-1]), dtype=np.int32) for _ in range(2))
+    entry, tag = (np.empty(int(start[-1]), dtype=np.int32) for _ in range(2))
     at = start.copy()
-    block = slots_of(Entering, (*tables, at, room, tag, *sizes))
+    block = slots_of(Entering, (*tables, at, entry, tag, *sizes))
     enter_corners(address(block))
-    return start, room, tag
+    return start, entry, tag

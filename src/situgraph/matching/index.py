@@ -17,6 +17,7 @@ from situgraph.matching.corners import (
     NEAR_CELL,
     NEAR_REACH,
     corner_table,
+    room_for_corners,
 )
 from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
 from situgraph.matching.records import slots_of
@@ -82,12 +83,14 @@ class PlanIndex:
         row[:, 2] = distance - np.einsum("ij,ij->i", normal, self.center[room])
         row[:, 3] = np.arctan2(normal[:, 1], normal[:, 0])
         storey = np.searchsorted(self.elevations, heights)
-        near = corner_table(first, row, storey, NEAR_CELL, NEAR_REACH, self.config)
-        far = corner_table(first, row, storey, FAR_CELL, FAR_REACH, self.config)
+        corners = room_for_corners(first)
+        tables = (first, row, storey, corners)
+        near = corner_table(*tables, NEAR_CELL, NEAR_REACH, self.config)
+        far = corner_table(*tables, FAR_CELL, FAR_REACH, self.config)
         large = np.flatnonzero(np.diff(first) ** 2 > 2 * MOST_CORNERS)
         lines = _lines(row, room, storey[room], len(self.elevations))
         widest = int(np.diff(first).max(initial=1))
-        made = (first, row, storey, *near, *far, large, *lines, widest)
+        made = (first, row, storey, *near, *far, *corners[1:], large, *lines, widest)
         return Plan(*made, slots_of(Plan, made))  # type: ignore[call-arg]
 
 

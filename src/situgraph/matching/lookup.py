@@ -21,6 +21,8 @@ from situgraph.matching.corners import (
 )
 from situgraph.matching.explained import wrapped
 
+REACHED = 1e-6  # metres, for rounding
+
 
 @part
 def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
@@ -49,19 +51,23 @@ def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
         sector = sector_of(seen.angle[seen.probe[k, 0]] + yaw)
         if reach <= NEAR_REACH:
             h = bucket(storey, sector, math.floor(x / NEAR_CELL), math.floor(y / NEAR_CELL))
-            start, room, tag = plan.near_start, plan.near_room, plan.near_tag
+            start, corner, tag = plan.near_start, plan.near_corner, plan.near_tag
         elif reach <= FAR_REACH:
             h = bucket(storey, sector, math.floor(x / FAR_CELL), math.floor(y / FAR_CELL))
-            start, room, tag = plan.far_start, plan.far_room, plan.far_tag
+            start, corner, tag = plan.far_start, plan.far_corner, plan.far_tag
         elif not all_if_wide:
             return -1
         else:
             return _everywhere(case, storey)
+        farthest = (reach + REACHED) ** 2
         b = h & (len(start) - 2)
         name = (h >> 24) & 0xFFFF
         for e in range(start[b], start[b + 1]):
-            a = room[e]
-            if tag[e] == name and finder.last[a] != finder.turn[0]:
+            if tag[e] != name:
+                continue
+            dx, dy = plan.corner_place[corner[e], 0] - x, plan.corner_place[corner[e], 1] - y
+            a = plan.corner_room[corner[e]]
+            if dx * dx + dy * dy <= farthest and finder.last[a] != finder.turn[0]:
                 finder.last[a] = finder.turn[0]
                 finder.room[count] = a
                 count += 1

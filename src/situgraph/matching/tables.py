@@ -79,11 +79,13 @@ class Plan(NamedTuple):
     row: Table  # (Q, 4) normal x, y, offset, direction of the normal
     storey: Ints  # (M,)
     near_start: Ints  # (B + 1,) buckets of corners: one lookup reaches 1.5 m
-    near_room: Short
+    near_corner: Short
     near_tag: Short
     far_start: Ints  # the same in larger cells: one lookup reaches 6 m
-    far_room: Short
+    far_corner: Short
     far_tag: Short
+    corner_place: Table  # (C, 2) of each corner
+    corner_room: Ints  # (C,)
     large: Ints  # rooms with too many corners, tried everywhere
     bin_first: Ints  # (S + 1,) each storey's bins of lines of one direction
     bin_angle: Floats  # (B,)
