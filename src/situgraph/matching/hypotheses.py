@@ -49,11 +49,13 @@ def pair_box(case, i, k, j, m, wx, wy, reach, box):
     cross = nx * my - ny * mx
     if abs(cross) < 0.02:
         return False
-    c, s = math.cos(box[YAW]), math.sin(box[YAW])
-    gx, gy = c * wx - s * wy, s * wx + c * wy
     fit = reach + SLACK
-    other = fit + abs(mx * gx + my * gy) * (1 - math.cos(turn))
-    other += abs(my * gx - mx * gy) * math.sin(turn)
+    gx, gy, other = 0.0, 0.0, fit
+    if wx != 0.0 or wy != 0.0:
+        c, s = math.cos(box[YAW]), math.sin(box[YAW])
+        gx, gy = c * wx - s * wy, s * wx + c * wy
+        other += abs(mx * gx + my * gy) * (1 - math.cos(turn))
+        other += abs(my * gx - mx * gy) * math.sin(turn)
     near = seen.distance[i] - plan.row[j, 2]
     far = seen.distance[k] - plan.row[m, 2] - mx * gx - my * gy
     box[PX], box[PY] = (near * my - far * ny) / cross, (far * nx - near * mx) / cross
@@ -91,10 +93,10 @@ def pair_of(case, r, c):
 @part
 def fits_somewhere(case, r, a):
     """Whether ``a`` explains ``r`` in isolation, at any placement."""
-    known = _rectangles(case, r, a)
-    if known >= 0:
-        return known == 1
-    seen, plan = case.seen, case.plan
+    seen, plan, found = case.seen, case.plan, case.found
+    both = found.size_seen[r, 0] < math.inf and found.size_planned[a, 0] < math.inf
+    if both and len(case.content.row_need) == 0:
+        return _alike_rectangles(case, found.size_seen[r], found.size_planned[a])
     box = scratch(SIDES)
     pairs, reach = pairs_of(case, r)
     for c in range(pairs):
@@ -113,35 +115,46 @@ def fits_somewhere(case, r, a):
 
 
 @part
-def _rectangles(case, r, a):
-    """Whether ``a`` explains ``r`` when both are rectangles: 1 yes, 0 no, -1 they are not.
+def _alike_rectangles(case, one, two):
+    """Whether a rectangle explains another; sizes (2,) of both.
 
     One plane of each direction can always be made to fit, and one of the other two may be missing.
     So a width that agrees, within what a plane that fits and one that is moved allow, is enough.
     """
-    seen, plan, limits = case.seen, case.plan, case.limits
-    i, j = seen.first[r], plan.first[a]
-    if seen.first[r + 1] - i != 4 or plan.first[a + 1] - j != 4 or len(case.content.row_need) > 0:
-        return -1
-    angle = scratch(4)
-    for k in range(4):
-        angle[k] = seen.angle[i + k]
-    one, three = _opposite(angle, limits.angle / 2)
-    if one < 0:
-        return -1
-    for k in range(4):
-        angle[k] = plan.row[j + k, 3]
-    two, four = _opposite(angle, 1e-9)
-    if two < 0:
-        return -1
-    width = seen.distance[i] + seen.distance[i + one]
-    depth = seen.distance[i + three // 4] + seen.distance[i + three % 4]
-    along = plan.row[j, 2] + plan.row[j + two, 2]
-    across = plan.row[j + four // 4, 2] + plan.row[j + four % 4, 2]
-    most = limits.fit + limits.moved + 2 * SLACK
-    if min(abs(width - along), abs(depth - along)) <= most:
-        return 1
-    return 1 if min(abs(width - across), abs(depth - across)) <= most else 0
+    most = case.limits.fit + case.limits.moved + 2 * SLACK
+    if min(abs(one[0] - two[0]), abs(one[1] - two[0])) <= most:
+        return True
+    return min(abs(one[0] - two[1]), abs(one[1] - two[1])) <= most
+
+
+@part
+def measure(case):
+    """Find the sizes of all rooms that are rectangles, online ones and the plan's."""
+    seen, plan, found = case.seen, case.plan, case.found
+    angle, offset = scratch(4), scratch(4)
+    for r in range(len(seen.storey)):
+        found.size_seen[r, 0] = math.inf
+        if seen.first[r + 1] - seen.first[r] == 4:
+            for k in range(4):
+                angle[k] = seen.angle[seen.first[r] + k]
+                offset[k] = seen.distance[seen.first[r] + k]
+            _size(angle, offset, case.limits.angle / 2, found.size_seen[r])
+    for a in range(len(plan.storey)):
+        found.size_planned[a, 0] = math.inf
+        if plan.first[a + 1] - plan.first[a] == 4:
+            for k in range(4):
+                angle[k] = plan.row[plan.first[a] + k, 3]
+                offset[k] = plan.row[plan.first[a] + k, 2]
+            _size(angle, offset, 1e-9, found.size_planned[a])
+
+
+@part
+def _size(angle, offset, spread, out):
+    """Into ``out`` (2,) how far opposite planes of a rectangle are apart, if it is one."""
+    one, others = _opposite(angle, spread)
+    if one >= 0:
+        out[0] = offset[0] + offset[one]
+        out[1] = offset[others // 4] + offset[others % 4]
 
 
 @part

@@ -27,7 +27,7 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import give, may_explain, wrapped
+from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.groups import form_groups
 from situgraph.matching.hypotheses import copy_box, pair_box, pair_of, pairs_of, split
 from situgraph.matching.peaks import climb, feasible, optimum
@@ -91,16 +91,21 @@ def _hypotheses(case, g, r, a):
     seen, plan, found = case.seen, case.plan, case.found
     box = scratch(SIDES)
     pairs, reach = pairs_of(case, r)
+    widest = 2.0 * (case.limits.angle + SLACK) + SLACK
+    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
     waiting = 0
     for c in range(pairs):
         if _exhausted(case):
             return
         i, k = pair_of(case, r, c)
         found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
+        turn = seen.angle[k] - seen.angle[i]
         for j in range(plan.first[a], plan.first[a + 1]):
             for m in range(plan.first[a], plan.first[a + 1]):
-                box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
-                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
+                bent = wrapped(plan.row[m, 3] - plan.row[j, 3] - turn)
+                if m == j or abs(bent) > widest:
+                    continue
+                if not pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
                     continue
                 slack = slack_of(box, 0.0, 0.0)
                 if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):

@@ -230,6 +230,8 @@ class Found(NamedTuple):
     stack: Table  # (k, SIDES) boxes to be searched
     waiting: Table  # (k, SIDES) boxes in which an anchor finds one prior room
     like: IntTable  # (N, words) bit a: whether prior room a explains it in isolation
+    size_seen: Table  # (N, 2) of rooms that are rectangles; inf, not set of others
+    size_planned: Table  # (M, 2)
 
 
 class Case(NamedTuple):
