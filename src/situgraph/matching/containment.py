@@ -41,7 +41,7 @@ def room_allowed(case, r, a):
 
 @part
 def may_be(case, r, a):
-    """Whether prior room ``a`` is allowed for ``r`` and explains it in isolation, as far as known."""
+    """Whether prior room ``a`` is allowed for ``r``, and explains it in isolation."""
     return (case.found.like[r, a >> 6] >> (a & 63)) & 1 == 1
 
 

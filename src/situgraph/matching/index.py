@@ -62,9 +62,13 @@ class PlanIndex:
         self.elevations: Floats = np.unique(heights[kept])
         self.area = _area(centers[:, :2], heights, self.config.plan_margin)
         self.table = self._table(first, normal, distance, heights[kept])
-        self.stock: Stock = stock_of(prior, kept, source)
         self.room_ids = [prior.rooms[k].id for k in kept]
         self.seconds = time.perf_counter() - begin
+
+    @cached_property
+    def stock(self) -> Stock:
+        """What the rooms and planes hold, for the policy ``containment``."""
+        return stock_of(self.prior, self.kept, self.source)
 
     @cached_property
     def objects(self) -> PlannedObjects:
