@@ -238,3 +238,30 @@ def split(box, side, one, two):
     one[PY] -= y
     two[PX] += x
     two[PY] += y
+
+
+@part
+def join(box, other, most):
+    """Widen ``box`` to hold ``other``, of the same anchor; False, and nothing done.
+
+    Where a half width would be more than ``most``, or the yaws differ by more than half of theirs.
+    """
+    turned = wrapped(other[YAW] - box[YAW])
+    if abs(turned) > box[TURN] / 2:
+        return False
+    along = abs(box[UX] * other[UX] + box[UY] * other[UY])
+    across = abs(box[UX] * other[UY] - box[UY] * other[UX])
+    x, y = other[PX] - box[PX], other[PY] - box[PY]
+    u, v = x * box[UX] + y * box[UY], y * box[UX] - x * box[UY]
+    hu, hv = along * other[HU] + across * other[HV], across * other[HU] + along * other[HV]
+    u0, u1 = min(-box[HU], u - hu), max(box[HU], u + hu)
+    v0, v1 = min(-box[HV], v - hv), max(box[HV], v + hv)
+    if u1 - u0 > 2 * most or v1 - v0 > 2 * most:
+        return False
+    low, high = min(-box[TURN], turned - other[TURN]), max(box[TURN], turned + other[TURN])
+    box[YAW], box[TURN] = box[YAW] + (low + high) / 2, (high - low) / 2
+    u, v = (u0 + u1) / 2, (v0 + v1) / 2
+    box[PX] += u * box[UX] - v * box[UY]
+    box[PY] += u * box[UY] + v * box[UX]
+    box[HU], box[HV] = (u1 - u0) / 2, (v1 - v0) / 2
+    return True

@@ -18,7 +18,6 @@ from situgraph.matching.boxes import (
     UX,
     UY,
     YAW,
-    join,
     narrow,
     possible,
     radius,
@@ -30,7 +29,7 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.groups import form_groups
-from situgraph.matching.hypotheses import copy_box, pair_box, pair_of, pairs_of, split
+from situgraph.matching.hypotheses import copy_box, join, pair_box, pair_of, pairs_of, split
 from situgraph.matching.peaks import climb, feasible, optimum
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import represented
