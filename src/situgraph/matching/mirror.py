@@ -13,7 +13,7 @@ import numpy as np
 
 from situgraph.matching.candidates import Known, find
 from situgraph.matching.posterior import Posterior, log_spread
-from situgraph.matching.preparation import Inputs, prepare
+from situgraph.matching.preparation import Inputs
 from situgraph.matching.semantics import most_evidence
 from situgraph.matching.tables import Floats
 
@@ -31,7 +31,7 @@ def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[floa
     rooms = _least_rooms(inputs, least)
     if rooms > len(inputs.kept):
         return -math.inf, True
-    image = prepare(inputs.online, inputs.index, inputs.semantics, config, flipped=True)
+    image = inputs.mirrored()
     peaks = find(image, rooms, known)
     best = float(peaks.place[:, 4].max(initial=-math.inf))
     return log_prior + best, not peaks.done[3]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,16 @@ from situgraph.matching.tables import Content, Floats, Ints, Limits, Seen, View
 from situgraph.scenegraph.graph import SceneGraph
 
 
+class Lines(NamedTuple):
+    """The online rooms that count, as lines of the map."""
+
+    center: Floats  # (R, 3) of all rooms
+    first: Ints  # (N + 1,)
+    normal: Floats  # (P, 2)
+    distance: Floats  # (P,)
+    storeys: Ints  # (R,)
+
+
 @dataclass(frozen=True, eq=False)
 class Inputs:
     """What is matched."""
@@ -30,6 +41,7 @@ class Inputs:
     flipped: bool  # whether it is the mirror image (x to -x) of the online graph
     kept: Ints  # the online rooms that count
     source: Ints  # the online plane of each row
+    lines: Lines
     seen: Seen
     middle: Floats  # the mean of the room centres, map frame
     content: Content
@@ -62,6 +74,14 @@ class Inputs:
         """The error rates of the plan's categories."""
         return rates_of(self.index.objects, self.config)
 
+    def mirrored(self) -> Inputs:
+        """The same of the mirror image (x to -x) of the online graph."""
+        lines = self.lines._replace(
+            center=self.lines.center * (-1.0, 1.0, 1.0), normal=self.lines.normal * (-1.0, 1.0)
+        )
+        seen, middle = _seen(lines, self.kept, self.source, self.limits)
+        return replace(self, flipped=True, lines=lines, seen=seen, middle=middle)
+
     def views(self, shift: Ints, at: Floats) -> View:
         """What is explained at placements (k,), (k, 3): ``View``'s fields, a placement a row."""
         tables = (self.seen, self.index.table, self.limits, self.content)
@@ -77,30 +97,22 @@ class Inputs:
         return value, claims
 
 
-def prepare(
-    online: SceneGraph,
-    index: PlanIndex,
-    semantics: str,
-    config: MatchingConfig,
-    *,
-    flipped: bool = False,
-) -> Inputs:
-    """The tables of a match; ``flipped``: of the mirror image of the online graph.
+def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: MatchingConfig) -> Inputs:
+    """The tables of a match.
 
     Raises:
         InputError: a room names a plane that is not there.
     """
     limits = limits_of(config)
     centers, planes, names, counts = raw_rooms(online)
-    if flipped:
-        centers, planes = centers * (-1.0, 1.0, 1.0), planes * (-1.0, 1.0, 1.0, 1.0)
     kept, first, normal, distance, source = plan_lines(
         centers, planes, names, counts, config.usable_tilt
     )
     heights, storeys = np.unique(storey_heights(online)[kept], return_inverse=True)
     every = np.zeros(len(counts), dtype=np.int64)
     every[kept] = storeys
-    seen, middle = seen_table(centers, kept, first, normal, distance, source, every, limits)
+    lines = Lines(centers, first, normal, distance, every)
+    seen, middle = _seen(lines, kept, source, limits)
     shifts, mapping = storey_shifts(heights, index.elevations, config.storey_tolerance)
     content = no_content()
     if semantics == "containment":
@@ -108,6 +120,11 @@ def prepare(
         row_ids = [online.planes[k].id for k in source]
         content = content_of(online, index.stock, room_ids, row_ids)
     return Inputs(
-        online, index, config, semantics, flipped, kept, source, seen, middle, content,
+        online, index, config, semantics, False, kept, source, lines, seen, middle, content,
         shifts, mapping, limits,
     )  # fmt: skip
+
+
+def _seen(lines: Lines, kept: Ints, source: Ints, limits: Limits) -> tuple[Seen, Floats]:
+    center, first, normal, distance, storeys = lines
+    return seen_table(center, kept, first, normal, distance, source, storeys, limits)
