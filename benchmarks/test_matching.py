@@ -16,7 +16,7 @@ import situgraph as sg
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sample_truth import OnlineSample
 from situgraph.plan.sampler import sample_online
-from situgraph.plan.sampler_config import REALISTIC
+from situgraph.plan.sampler_config import CLEAN, REALISTIC
 from situgraph.scenegraph.graph import SceneGraph
 
 # Over 50 rooms the drift of a realistic sample bends the map until no rigid placement is left.
@@ -33,13 +33,30 @@ def drawn(benchmark: Any, seen: int, planned: int) -> tuple[SceneGraph, OnlineSa
     return prior, sample_online(prior, seen, 0, STEADY)
 
 
-@pytest.mark.parametrize(("seen", "planned"), [*SMALL, (10, 100), (50, 500)])
+@pytest.mark.parametrize(("seen", "planned"), [*SMALL, (10, 100), (50, 500), (50, 10_000)])
 def test_situgraph(benchmark: Any, seen: int, planned: int) -> None:
     prior, sample = drawn(benchmark, seen, planned)
     index = sg.PlanIndex(prior)
     sg.match(sample.online, index)
     result = benchmark(sg.match, sample.online, index)
     assert result.verdict == "unique"
+
+
+def test_identical_grid(benchmark: Any) -> None:
+    benchmark.group = "50 x 500 rooms, all alike"
+    prior = make_layout("grid", 500, 0, "local")
+    online = sample_online(prior, 50, 0, CLEAN).online
+    index = sg.PlanIndex(prior)
+    sg.match(online, index, semantics="none")
+    result = benchmark(sg.match, online, index, semantics="none")
+    assert result.verdict == "ambiguous"
+
+
+def test_index(benchmark: Any) -> None:
+    benchmark.group = "index of 10,000 rooms"
+    prior = make_layout("random", 10_000, 0)
+    sg.PlanIndex(make_layout("random", 12, 0))  # compiles
+    assert benchmark(sg.PlanIndex, prior).rooms == 10_000
 
 
 @pytest.mark.parametrize(("seen", "planned"), SMALL)
