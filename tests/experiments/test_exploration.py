@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from situgraph.experiments.exploration import only_rooms, run, summarise
+from situgraph.experiments.exploration import only_rooms, paper, run, summarise
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import RunOptions
 from situgraph.plan.six_rooms import six_rooms
@@ -30,6 +30,14 @@ def test_walls_alone_tell_only_where_the_layout_breaks_its_symmetry(
 def test_objects_tell_in_every_cell(result: ExperimentResult) -> None:
     assert result.summary["cells_found"]["likelihood"] == 21
     assert result.summary["seeds"]["likelihood"]["6x1"] == "2/2"
+
+
+def test_the_papers_cells_are_those_of_its_table() -> None:
+    cells = paper()
+    assert cells["semantic"]["6x6"] == 305
+    assert cells["semantic"]["5x1"] == 43
+    assert [c for c, t in cells["geometric"].items() if t] == ["3x3", "5x5"]
+    assert set(cells["semantic"]) == set(cells["geometric"])
 
 
 def test_a_cell_that_half_of_the_seeds_miss_is_empty() -> None:
