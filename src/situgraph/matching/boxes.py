@@ -100,24 +100,6 @@ def shrink(case, box):
 
 
 @part
-def tighten(case, box):
-    """Cut from the box what the required rooms, one after the other, cannot be explained in.
-
-    False when nothing is left. They are few, and in the box that is left the others are quick.
-    """
-    options, spans = case.options, case.spans
-    for r in range(len(spans.required)):
-        if not spans.required[r]:
-            continue
-        options.count[r] = 0
-        if not _span(case, box, r):
-            return False
-        for side in range(3):
-            _cut(box, side, spans.low[side, r], spans.high[side, r])
-    return True
-
-
-@part
 def _cut(box, side, low, high):
     """Keep of a box what lies between two values on one axis."""
     middle, half = (low + high) / 2, (high - low) / 2

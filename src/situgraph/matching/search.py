@@ -23,7 +23,6 @@ from situgraph.matching.boxes import (
     radius,
     shrink,
     slack_of,
-    tighten,
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
@@ -246,7 +245,7 @@ def explore(case, start):
             break
         if found.count[PEAKS] > len(found.peak):  # to be searched again with more room
             break
-        if not _pressed(case, box, arm) or not _squeeze(case, box, arm):
+        if not _squeeze(case, box, arm):
             continue
         if box[AX] != 0.0 or box[AY] != 0.0:
             _move_anchor(box)
@@ -287,18 +286,6 @@ def _move_anchor(box):
     box[HU], box[HV] = give(slack, box[UX], box[UY]), give(slack, -box[UY], box[UX])
     box[PX], box[PY] = at[1], at[2]
     box[AX] = box[AY] = 0.0
-
-
-@part
-def _pressed(case, box, arm):
-    """Tighten a box while it pays; False when nothing is left."""
-    for _ in range(ROUNDS):
-        before = box[TURN] * arm + box[HU] + box[HV]
-        if not tighten(case, box):
-            return False
-        if box[TURN] * arm + box[HU] + box[HV] > GAIN * before:
-            break
-    return True
 
 
 @part
