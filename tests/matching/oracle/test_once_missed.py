@@ -1,4 +1,4 @@
-"""Cases of the experiment in which the matcher once missed a placement that the brute force found."""
+"""Cases in which the matcher once missed a placement that the brute force found."""
 
 from __future__ import annotations
 
