@@ -92,6 +92,8 @@ def test_a_full_disk_behind_stdout_is_said() -> None:
 def test_ctrl_c_ends_with_a_sentence() -> None:
     script = (
         "import os, signal, click, situgraph.cli.app as app\n"
+        # Who is started in the background inherits that the signal is ignored.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "command = click.Command('x', callback=lambda: os.kill(os.getpid(), signal.SIGINT))\n"
         "app.LazyGroup.get_command = lambda *_: command\n"
         "app.main(['x'])"
