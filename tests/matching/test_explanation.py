@@ -64,3 +64,33 @@ def test_an_object_too_many() -> None:
     told = explain_pair(result, room, room)
     assert told.stage == "semantic"
     assert "window count" in told.sentence
+
+
+def test_walls_with_an_object_too_many() -> None:
+    plan = six_rooms()
+    # A door and a window are on the wrong walls: the room holds what it should, its walls do not.
+    south, _, north, _ = plan.room_by_id["r5"].planes
+    strays = {"o6": ("p13", north), "o17": (south,)}
+    online = plan.replace(
+        objects=tuple(
+            msgspec.structs.replace(o, planes=strays[o.id]) if o.id in strays else o
+            for o in plan.objects
+        )
+    )
+    told = explain_pair(match(online, plan, semantics="containment"), "r5", "r5")
+    assert told.stage == "semantic"
+    for sentence in (f"{south}: window count 1 > 0 on {south}", f"{north}: door count 2 > 1"):
+        assert f"wall {sentence}" in told.sentence
+
+
+def test_a_shape_that_does_not_fit_is_no_matter_of_objects() -> None:
+    plan = six_rooms()
+    online = plan.replace(planes=tuple(_shifted(p) for p in plan.planes))
+    told = explain_pair(match(online, plan, semantics="containment"), "r1", "r1")
+    assert told.stage == "geometric"
+
+
+def _shifted(plane: Plane) -> Plane:
+    """Southern and western faces of r1, one metre out."""
+    far = plane.id in ("p0", "p3")
+    return msgspec.structs.replace(plane, offset=plane.offset + 1.0) if far else plane

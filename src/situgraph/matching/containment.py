@@ -1,12 +1,15 @@
 """The paper's filter: a pair is allowed when the prior node has at least the online node's objects.
 
-Paper, section 'Object-semantic Filtering'; counts by category, at room and at plane level.
+Paper, section 'Object-semantic Filtering'; counts by category, at room and at plane level. A plane
+may bound several rooms in one graph and not in the other, so like is compared with like: a row is
+a plane as one room sees it, and holds those objects on the plane that are in the room.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +50,7 @@ def may_be(case, r, a):
 
 @part
 def plane_allowed(case, i, j):
-    """Whether the prior plane of row ``j`` holds what the online plane of row ``i`` holds."""
+    """Whether the prior row ``j`` holds what the online row ``i`` holds."""
     content = case.content
     if len(content.row_need) == 0:
         return True
@@ -57,22 +60,14 @@ def plane_allowed(case, i, j):
     return True
 
 
-def stock_of(prior: SceneGraph, rooms: Ints, rows: Ints) -> Stock:
-    """Counts of the prior rooms (indices) and of the planes of its rows (indices)."""
+def stock_of(prior: SceneGraph, kept: Ints, first: Ints, source: Ints) -> Stock:
+    """Counts of the prior rooms ``kept`` and of their rows.
+
+    Rows ``first[k]`` to ``first[k + 1]`` are the planes ``source`` of room ``kept[k]``.
+    """
     categories = tuple(sorted(prior.modelled))
-    column = {c: k for k, c in enumerate(categories)}
-    room_row = {r.id: k for k, r in enumerate(prior.rooms)}
-    plane_row = {p.id: k for k, p in enumerate(prior.planes)}
-    by_room = np.zeros((len(prior.rooms), len(categories)), dtype=np.int16)
-    by_plane = np.zeros((len(prior.planes), len(categories)), dtype=np.int16)
-    for o in prior.objects:
-        c = column.get(o.category)
-        if c is not None:
-            for room in o.rooms:
-                by_room[room_row[room], c] += 1
-            for plane in o.planes:
-                by_plane[plane_row[plane], c] += 1
-    return Stock(categories, by_room[rooms], by_plane[rows])
+    by_room, by_row = _counts(prior, kept, first, source, categories)
+    return Stock(categories, by_room, by_row)
 
 
 def no_content() -> Content:
@@ -83,21 +78,37 @@ def no_content() -> Content:
     return Content(first, nothing, first, nothing, counts, counts)
 
 
-def content_of(online: SceneGraph, stock: Stock, rooms: list[str], rows: list[str]) -> Content:
-    """What the online rooms (ids) and the planes of the rows (ids) must find in the prior."""
-    column = {c: k for k, c in enumerate(stock.categories)}
-    room_first, room_need = _needs(online.objects_by_room, rooms, column)
-    row_first, row_need = _needs(online.objects_by_plane, rows, column)
-    return Content(room_first, room_need, row_first, row_need, stock.room_have, stock.row_have)
+def content_of(online: SceneGraph, stock: Stock, kept: Ints, first: Ints, source: Ints) -> Content:
+    """What the online rooms and rows must find in the prior; arguments as those of ``stock_of``."""
+    by_room, by_row = _counts(online, kept, first, source, stock.categories)
+    return Content(*_needs(by_room), *_needs(by_row), stock.room_have, stock.row_have)
 
 
-def _needs(held: object, names: list[str], column: dict[str, int]) -> tuple[Ints, Ints]:
-    first, need = [0], []
-    for name in names:
-        counts: dict[int, int] = {}
-        for o in held.get(name, ()):  # type: ignore[attr-defined]
-            if o.category in column:
-                counts[column[o.category]] = counts.get(column[o.category], 0) + 1
-        need += sorted(counts.items())
-        first.append(len(need))
-    return np.array(first, dtype=np.int64), np.array(need, dtype=np.int64).reshape(-1, 2)
+def _counts(
+    graph: SceneGraph, kept: Ints, first: Ints, source: Ints, categories: tuple[str, ...]
+) -> tuple[Counts, Counts]:
+    """How many objects of each category (columns) rooms and rows have."""
+    column = {c: k for k, c in enumerate(categories)}
+    rooms = [graph.rooms[k].id for k in kept]
+    room_at = {room: k for k, room in enumerate(rooms)}
+    row_at = {
+        (room, graph.planes[source[row]].id): row
+        for room, begin, end in zip(rooms, first, first[1:])
+        for row in range(begin, end)
+    }
+    by_room = np.zeros((len(rooms), len(column)), dtype=np.int16)
+    by_row = np.zeros((len(source), len(column)), dtype=np.int16)
+    for o in graph.objects:
+        if o.category in column:
+            by_room[[room_at[r] for r in o.rooms if r in room_at], column[o.category]] += 1
+            faces = product(o.rooms, o.planes)
+            by_row[[row_at[f] for f in faces if f in row_at], column[o.category]] += 1
+    return by_room, by_row
+
+
+def _needs(counts: Counts) -> tuple[Ints, Ints]:
+    """Where the needs of each begin (n + 1,), and they: category, count (k, 2)."""
+    at, category = np.nonzero(counts)
+    first = np.searchsorted(at, np.arange(len(counts) + 1))
+    need = np.stack([category, counts[at, category]], axis=1)
+    return first.astype(np.int64), need.astype(np.int64)

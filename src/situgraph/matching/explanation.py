@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Literal, NamedTuple
 
 import msgspec
@@ -13,7 +13,7 @@ import numpy as np
 from situgraph.geometry.poses import Placement
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.result import MatchResult
-from situgraph.scenegraph.graph import Room
+from situgraph.scenegraph.graph import Object, Room, SceneGraph
 
 Stage = Literal["type", "semantic", "geometric", "placement", "likelihood", "matched"]
 MOST_PLACES = 40  # placements of the pair alone that are tried for all rooms
@@ -51,7 +51,8 @@ def explain_pair(result: MatchResult, mine: str, theirs: str) -> Explanation:
         return dropped
     places = _alone(inputs, one, two)
     if not places:
-        return Explanation("geometric", _misfit(inputs, one, two))
+        held = _by_faces(inputs, one, two)
+        return held or Explanation("geometric", _misfit(inputs, one, two))
     return _by_placement(result, one, two, places)
 
 
@@ -66,18 +67,46 @@ def _by_type(inputs: Inputs, one: Room, two: Room) -> Explanation | None:
 
 
 def _by_objects(inputs: Inputs, one: Room, two: Room) -> Explanation | None:
-    """The paper's filter at room level; at plane level it shows as a wall without counterpart."""
+    """The paper's filter at room level."""
     if inputs.semantics != "containment":
         return None
     online, prior = inputs.online, inputs.index.prior
-    need = Counter(o.category for o in online.objects_by_room.get(one.id, ()))
-    have = Counter(o.category for o in prior.objects_by_room.get(two.id, ()))
-    lacking = [
+    seen, planned = online.objects_by_room.get(one.id, ()), prior.objects_by_room.get(two.id, ())
+    lacking = _lacking(seen, planned, prior)
+    return Explanation("semantic", lacking) if lacking else None
+
+
+def _by_faces(inputs: Inputs, one: Room, two: Room) -> Explanation | None:
+    """The paper's filter at plane level, where it alone keeps the rooms' walls from each other."""
+    from situgraph.matching.index import PlanIndex
+    from situgraph.matching.matcher import match
+
+    if inputs.semantics != "containment":
+        return None
+    online, prior = inputs.online, inputs.index.prior
+    index = PlanIndex(prior.replace(rooms=(two,)), inputs.config)
+    bare = match(online.replace(rooms=(one,)), index, semantics="none")
+    told: list[list[str]] = []
+    for rank in range(bare.candidates):
+        walls: list[str] = []
+        for mine, theirs in bare.candidate(rank).planes.items():  # type: ignore[union-attr]
+            seen = [o for o in online.objects_by_plane.get(mine, ()) if one.id in o.rooms]
+            planned = [o for o in prior.objects_by_plane.get(theirs, ()) if two.id in o.rooms]
+            lacking = _lacking(seen, planned, prior)
+            walls += [f"wall {mine}: {lacking} on {theirs}"] if lacking else []
+        told.append(walls)
+    fewest = min(told, key=len, default=[])
+    return Explanation("semantic", "; ".join(fewest)) if fewest else None
+
+
+def _lacking(seen: Sequence[Object], planned: Sequence[Object], prior: SceneGraph) -> str:
+    """Of which categories that the prior models more were seen than planned, in words."""
+    need, have = Counter(o.category for o in seen), Counter(o.category for o in planned)
+    return ", ".join(
         f"{category} count {count} > {have[category]}"
         for category, count in sorted(need.items())
         if category in prior.modelled and count > have[category]
-    ]
-    return Explanation("semantic", ", ".join(lacking)) if lacking else None
+    )
 
 
 def _alone(inputs: Inputs, one: Room, two: Room) -> list[Placement]:

@@ -67,8 +67,8 @@ class PlanIndex:
 
     @cached_property
     def stock(self) -> Stock:
-        """What the rooms and planes hold, for the policy ``containment``."""
-        return stock_of(self.prior, self.kept, self.source)
+        """What the rooms and their planes hold, for the policy ``containment``."""
+        return stock_of(self.prior, self.kept, self.table.first, self.source)
 
     @cached_property
     def objects(self) -> PlannedObjects:

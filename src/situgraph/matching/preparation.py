@@ -116,9 +116,7 @@ def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: Matchi
     shifts, mapping = storey_shifts(heights, index.elevations, config.storey_tolerance)
     content = no_content()
     if semantics == "containment":
-        room_ids = [online.rooms[k].id for k in kept]
-        row_ids = [online.planes[k].id for k in source]
-        content = content_of(online, index.stock, room_ids, row_ids)
+        content = content_of(online, index.stock, kept, first, source)
     return Inputs(
         online, index, config, semantics, False, kept, source, lines, seen, middle, content,
         shifts, mapping, limits,

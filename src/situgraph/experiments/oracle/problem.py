@@ -99,18 +99,24 @@ class Problem:
         return _contains(have, need, self.modelled)
 
     def planes_allowed(self, r: int, a: int) -> Flags:
-        """(planes of r, planes of a): which plane pairs the policy lets be pairs."""
-        mine, theirs = self.seen[r].planes, self.planned[a].planes
+        """(planes of r, planes of a): which plane pairs the policy lets be pairs.
+
+        Of what is on a plane, only what is in the room too is asked for, and offered.
+        """
+        mine, theirs = self.seen[r], self.planned[a]
         if self.policy != "containment":
-            return np.ones((len(mine), len(theirs)), dtype=bool)
-        need, have = self.online.objects_by_plane, self.prior.objects_by_plane
+            return np.ones((len(mine.planes), len(theirs.planes)), dtype=bool)
+        need = [_on_face(self.online, mine.room, p) for p in mine.planes]
+        have = [_on_face(self.prior, theirs.room, q) for q in theirs.planes]
         return np.array(
-            [
-                [_contains(have.get(q, ()), need.get(p, ()), self.modelled) for q in theirs]
-                for p in mine
-            ],
+            [[_contains(offer, asked, self.modelled) for offer in have] for asked in need],
             dtype=bool,
         )
+
+
+def _on_face(graph: SceneGraph, room: Room, plane: str) -> tuple[Object, ...]:
+    """The objects on a plane that are in the room."""
+    return tuple(o for o in graph.objects_by_plane.get(plane, ()) if room.id in o.rooms)
 
 
 def _contains(
