@@ -210,13 +210,14 @@ class Pipeline:
 
     def _locate(self, keyframe: Keyframe) -> None:
         """Match the map with the plan, where rooms or objects are not those of the last match."""
-        seen = (self.slam.changes, self._objects())
+        with self._timed("graph out"):
+            self._move_objects()
+            graph = self.slam.scene_graph()
+            graph = self.objects.annotated(graph, self.slam.places(), self.wall_gaps())
+            seen = (self.slam.changes, _contents(graph))
         if seen != self._matched:
             self._matched = seen
-            with self._timed("graph out"):
-                self._move_objects()
-                graph = self.slam.scene_graph()
-                self.graph = self.objects.annotated(graph, self.slam.places(), self._gaps())
+            self.graph = graph
             if self.locator is not None and self.graph.rooms:
                 with self._timed("matching"):
                     self.result = self.locator.update(self.graph, keyframe.stamp)
@@ -252,10 +253,7 @@ class Pipeline:
             return None
         return _row(self.located.carrier.latest(self.slam.pose))
 
-    def _objects(self) -> tuple[tuple[int, str], ...]:
-        return tuple((track.number, node.category) for track, node in self.objects.map.nodes())
-
-    def _gaps(self) -> list[WallGap]:
+    def wall_gaps(self) -> list[WallGap]:
         """Where the LiDAR saw openings in the walls of each storey."""
         c, found = self.settings.slam, []
         for storey in self.slam.storeys.storeys:
@@ -304,6 +302,11 @@ class Pipeline:
 
 def _row(pose: Array) -> tuple[float, ...]:
     return tuple(pose.tolist())
+
+
+def _contents(graph: SceneGraph) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    """What a match counts: each object's category, rooms and planes."""
+    return sorted((o.category, o.rooms, o.planes) for o in graph.objects)
 
 
 def _advice(result: MatchResult) -> str | None:

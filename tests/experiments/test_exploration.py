@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import pytest
 
-from situgraph.experiments.exploration import only_rooms, paper, run, summarise
+from situgraph.experiments.exploration import driven, only_rooms, paper, run, summarise
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import RunOptions
+from situgraph.objects.network import NetworkDetector
+from situgraph.pipeline import Pipeline
 from situgraph.plan.six_rooms import six_rooms
+from situgraph.run import feed
+from situgraph.scenegraph.graph import SceneGraph
+from situgraph.sim.simulation import Simulation
 
 
 @pytest.fixture(scope="module")
@@ -57,3 +64,29 @@ def test_only_some_rooms_are_kept() -> None:
     assert len(part.planes) == 8
     assert all(set(o.rooms) <= {"r1", "r4"} for o in part.objects)
     assert all(set(o.planes) <= {p.id for p in part.planes} for o in part.objects)
+
+
+def test_what_is_matched_is_what_the_live_system_matches() -> None:
+    plan = six_rooms(1)
+    drive = Simulation(plan, seed=0, rooms=("r1",))
+    live = Pipeline(
+        detector=NetworkDetector(),
+        base_T_lidar=drive.info.base_T_lidar,
+        base_T_camera=drive.info.base_T_camera,
+    )
+    messages = drive.messages()
+    counts = []
+    # By the third keyframe the gaps that the LiDAR saw in the walls say something of the doors.
+    for moment in islice(driven(plan, 0), 4):
+        while live.state.stamp - drive.info.start < moment.seconds - 0.01:
+            feed(live, next(messages))
+        here, there = moment.graphs["network"], live.graph
+        assert [(r.id, r.planes) for r in here.rooms] == [(r.id, r.planes) for r in there.rooms]
+        assert related(here) == related(there)
+        counts.append(len(related(here)))
+    assert counts == sorted(counts)
+    assert counts[-1] > 2
+
+
+def related(graph: SceneGraph) -> list[tuple[str, tuple[str, ...], tuple[str, ...]]]:
+    return sorted((o.category, o.rooms, o.planes) for o in graph.objects)

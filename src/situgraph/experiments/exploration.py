@@ -33,7 +33,7 @@ from situgraph.run import feed
 from situgraph.scenegraph.graph import SceneGraph
 from situgraph.sim.simulation import Simulation
 
-REVISION = 1
+REVISION = 2
 ROOMS = 6
 SEEDS = {"simulation": (2, 10), "sampler": (10, 100)}  # default, full
 POLICIES: tuple[Semantics, ...] = get_args(Semantics)
@@ -84,7 +84,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One plan, one drive: the time of each cell by policy and detector."""
     prior = six_rooms(task["rooms"])
     index = PlanIndex(prior)
-    moments = _sampled(prior, task) if task["source"] == "sampler" else _driven(prior, task)
+    moments = _sampled(prior, task) if task["source"] == "sampler" else driven(prior, task["seed"])
     cells: dict[str, dict[str, float | None]] = {}
     wrong: dict[str, int] = {}
     detected: dict[int, float] = {}
@@ -151,10 +151,10 @@ def only_rooms(graph: SceneGraph, rooms: Sequence[str]) -> SceneGraph:
     return graph.replace(rooms=nodes, planes=faces, objects=objects)
 
 
-def _driven(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
+def driven(prior: SceneGraph, seed: int) -> Iterator[Moment]:
     """A drive through the rooms in their order; a moment for each keyframe."""
-    drive = Simulation(prior, seed=task["seed"], rooms=tuple(r.id for r in prior.rooms))
-    stages = Stages([NetworkDetector(), oracle_of(drive.truth, task["seed"])])
+    drive = Simulation(prior, seed=seed, rooms=tuple(r.id for r in prior.rooms))
+    stages = Stages([NetworkDetector(), oracle_of(drive.truth, seed)])
     names = [s.detector.name for s in stages.all if s.detector is not None]
     blind = ObjectStage(None)
     info = drive.info
@@ -171,11 +171,11 @@ def _driven(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
         if len(system.slam.keyframes) == frames:
             continue
         frames = len(system.slam.keyframes)
-        plain, places = system.slam.scene_graph(), system.slam.places()
-        there = {r.id for r in plain.rooms}
+        seen = system.slam.scene_graph(), system.slam.places(), system.wall_gaps()
+        there = {r.id for r in seen[0].rooms}
         order = [r for r in order if r in there] + sorted(there - set(order))
-        graphs = {n: s.annotated(plain, places) for n, s in zip(names, stages.all)}
-        graphs[DOORWAYS] = blind.annotated(plain, places)
+        graphs = {n: s.annotated(*seen) for n, s in zip(names, stages.all)}
+        graphs[DOORWAYS] = blind.annotated(*seen)
         if order:
             passed = message.stamp - info.start
             yield Moment(passed, tuple(order), graphs, drive.truth.building_T_map)
