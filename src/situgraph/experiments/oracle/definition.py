@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import msgspec
 
 Policy = Literal["none", "containment", "likelihood"]
+
+
+class Terms(NamedTuple):
+    """What a plane's log ratio (section 4) is made of: constants, and spreads ``2 sigma^2``."""
+
+    fit: float
+    moved: float
+    missing: float
+    offset_spread: float
+    angle_spread: float
 
 
 class Definition(msgspec.Struct, frozen=True, kw_only=True):
@@ -23,7 +33,6 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     clutter_length: float = 10.0
     plane_sigma: float = 0.06
     angle_sigma: float = math.radians(2)
-    continuous: bool = False
     p_moved: float = 0.03
     p_together: float = 0.9
     wall_thickness: float = 0.5
@@ -64,6 +73,18 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
         if rooms <= self.all_rooms_up_to:
             return rooms
         return math.ceil(self.min_share * rooms - 1e-9)
+
+    def terms(self) -> Terms:
+        """The constants of the log ratio of planes that fit, are moved, are missing."""
+        fitting = 1 - self.p_moved - self.p_missing
+        peak = fitting * self.clutter_length / (math.sqrt(2 * math.pi) * self.plane_sigma)
+        return Terms(
+            fit=math.log(peak),
+            moved=math.log(self.p_moved * self.clutter_length / (2 * self.moved_limit)),
+            missing=math.log(self.p_missing),
+            offset_spread=2 * self.plane_sigma**2,
+            angle_spread=2 * self.angle_sigma**2,
+        )
 
     def miss_of(self, category: str) -> float:
         """The probability that an object of the category is not detected."""

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
+import msgspec
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from situgraph.experiments.oracle.problem import Flags, Problem
+from situgraph.experiments.oracle.loops import (
+    Limits,
+    explain_pairs,
+    explains,
+    fit_term,
+    moved_term,
+)
+from situgraph.experiments.oracle.problem import Flags, Numbers, Problem
 from situgraph.geometry.poses import Array, rotation2, wrap_angle
 
 SLACK = 1e-9  # equality at a limit, in metres and radians
@@ -30,8 +35,7 @@ class Motion:
     z: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class PlanePair:
+class PlanePair(msgspec.Struct, frozen=True, eq=False):
     """Online plane ``i`` of a room, its counterpart ``j`` (None when missing), the residuals.
 
     ``state`` is that of the likelihood; ``fits`` is what feasibility asks for.
@@ -45,8 +49,7 @@ class PlanePair:
     offset: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class RoomPair:
+class RoomPair(msgspec.Struct, frozen=True, eq=False):
     """An explained room: the planes' counterparts under the best assignment."""
 
     r: int
@@ -82,84 +85,92 @@ def moved_center(problem: Problem, motion: Motion, r: int) -> Array:
 
 def view(problem: Problem, motion: Motion, pairs: Flags, slack: float = SLACK) -> View:
     """Everything explained at one placement, among the room pairs whose storeys agree."""
-    rows, columns = len(problem.seen), len(problem.planned)
-    found: dict[tuple[int, int], RoomPair] = {}
-    for r in range(rows):
-        center = moved_center(problem, motion, r)
-        for a in range(columns):
-            if pairs[r, a] and problem.room_allowed(r, a):
-                pair = explain(problem, r, a, motion.yaw, center, slack)
-                if pair is not None:
-                    found[r, a] = pair
-    chosen = pair_up({k: v.score for k, v in found.items()}, rows, columns)
-    kept = tuple(found[k] for k in chosen)
+    found = explained(problem, motion, np.argwhere(pairs), slack)
+    scores = {pair: score for pair, (score, *_) in found.items()}
+    chosen = pair_up(scores, len(problem.seen), len(problem.planned))
+    kept = tuple(_room_pair(problem, pair, found[pair], slack) for pair in chosen)
     enough = len(kept) >= problem.least_rooms
     return View(motion, kept, enough and _fixed(problem, kept))
 
 
-def explain(
-    problem: Problem, r: int, a: int, yaw: float, center: Array, slack: float = SLACK
-) -> RoomPair | None:
-    """The best assignment that explains online room ``r`` by prior room ``a``, or None."""
-    c = problem.constants
+Explained = tuple[float, list[int], Array]  # score, counterparts (-1: missing), (angle, offset)
+
+
+def explained(
+    problem: Problem, motion: Motion, pairs: Numbers, slack: float
+) -> dict[tuple[int, int], Explained]:
+    """The best assignment of those of the room pairs (k, 2) that are explained."""
+    c, widest = problem.constants, int(np.diff(problem.mine.first).max(initial=0))
+    limits = Limits(c.angle_tolerance + slack, c.moved_limit + slack, c.fit_limit + slack)
+    centers = problem.arms @ rotation2(motion.yaw).T + motion.point
+    scores, choices = np.empty(len(pairs)), np.empty((len(pairs), widest), dtype=np.int64)
+    residuals = np.empty((len(pairs), widest, 2))
+    explain_pairs(
+        problem.mine,
+        problem.theirs,
+        problem.allowed,
+        problem.crossed,
+        limits,
+        problem.terms,
+        FEW,
+        pairs,
+        motion.yaw,
+        centers,
+        scores,
+        choices,
+        residuals,
+    )
+    found: dict[tuple[int, int], Explained] = {}
+    for n in np.flatnonzero(scores != -np.inf).tolist():
+        r, a = pairs[n].tolist()
+        if np.isnan(scores[n]):
+            many = _explained_by_many(problem, r, a, motion.yaw, centers[r], limits)
+            if many is not None:
+                found[r, a] = many
+        else:
+            size = len(problem.seen[r].planes)
+            found[r, a] = (float(scores[n]), choices[n, :size].tolist(), residuals[n, :size])
+    return found
+
+
+def _room_pair(problem: Problem, pair: tuple[int, int], found: Explained, slack: float) -> RoomPair:
+    score, choice, residuals = found
+    fit_limit, planes = problem.constants.fit_limit + slack, []
+    for i, (j, (angle, offset)) in enumerate(zip(choice, residuals.tolist())):
+        if j < 0:
+            planes.append(PlanePair(i, None, MISSING))
+        else:
+            fits = abs(offset) <= fit_limit
+            planes.append(PlanePair(i, j, FIT if fits else MOVED, fits, angle, offset))
+    return RoomPair(*pair, tuple(planes), score)
+
+
+def _explained_by_many(
+    problem: Problem, r: int, a: int, yaw: float, center: Array, limits: Limits
+) -> Explained | None:
+    """The best assignment of a pair of rooms of many walls."""
     mine, theirs = problem.seen[r], problem.planned[a]
+    rows, columns = problem.mine.planes(r), problem.theirs.planes(a)
     angle = wrap_angle(mine.angles[:, None] + yaw - theirs.angles[None, :])
     offset = mine.distances[:, None] - (theirs.normals @ center + theirs.offsets)[None, :]
-    possible = (np.abs(angle) <= c.angle_tolerance + slack) & (
-        np.abs(offset) <= c.moved_limit + slack
-    )
-    if (~possible.any(axis=1)).sum() > 1:
-        return None
-    possible &= problem.planes_allowed(r, a)
-    if (~possible.any(axis=1)).sum() > 1:
-        return None
-    fits = possible & (np.abs(offset) <= c.fit_limit + slack)
-    fit, moved = fit_term(problem, offset, angle), moved_term(problem, angle)
-    likely = fit >= moved if c.continuous else fits
-    terms = np.where(likely, fit, moved)
-    crossed = mine.not_parallel(c.parallel_sine)
-    if math.prod((possible.sum(axis=1) + 1).tolist()) <= FEW:
-        found = _best_of_all(possible, fits, terms, crossed, math.log(c.p_missing))
-    else:
-        found = _best_of_many(possible, fits, terms, crossed, math.log(c.p_missing))
+    possible = (np.abs(angle) <= limits.angle) & (np.abs(offset) <= limits.moved)
+    possible &= problem.allowed[rows, columns]
+    fits = possible & (np.abs(offset) <= limits.fit)
+    terms = problem.terms
+    scores = np.where(fits, fit_term(terms, offset, angle), moved_term(terms, angle))
+    found = _best_of_many(possible, fits, scores, problem.crossed[rows, rows], terms.missing)
     if found is None:
         return None
     score, choice = found
-    planes = tuple(
-        PlanePair(i, None, MISSING)
-        if j < 0
-        else PlanePair(
-            i,
-            j,
-            FIT if likely[i, j] else MOVED,
-            bool(fits[i, j]),
-            float(angle[i, j]),
-            float(offset[i, j]),
-        )
-        for i, j in enumerate(choice)
-    )
-    return RoomPair(r, a, planes, score)
-
-
-def _best_of_all(
-    possible: Flags, fits: Flags, terms: Array, crossed: Flags, missing: float
-) -> tuple[float, list[int]] | None:
-    """The best assignment that explains, all of them tried."""
-    choices = np.array(assignments(possible), dtype=int).reshape(-1, len(possible))
-    # Column -1 stands for a missing plane.
-    fitting = _column_added(fits, False)[np.arange(len(fits)), choices]
-    scores = _column_added(terms, missing)[np.arange(len(terms)), choices].sum(axis=1)
-    scores[~_explains(fitting, crossed)] = -math.inf
-    best = int(np.argmax(scores)) if len(scores) else -1
-    if best < 0 or scores[best] == -math.inf:
-        return None
-    return float(scores[best]), choices[best].tolist()
+    # What stands at a missing plane is not looked at.
+    at = (np.arange(len(choice)), choice)
+    return score, choice, np.stack([angle[at], offset[at]], axis=1)
 
 
 def _best_of_many(
     possible: Flags, fits: Flags, terms: Array, crossed: Flags, missing: float
 ) -> tuple[float, list[int]] | None:
-    """The same for rooms of many walls: linear assignments, with each wall missing in turn.
+    """The best assignment that explains, by linear assignments with each wall missing in turn.
 
     Of each the best assignment is tried first, then, should it lack two walls that fit and cross,
     the best with any two such walls held.
@@ -171,8 +182,8 @@ def _best_of_many(
         found = _assigned(pool, terms, missing, gone, ())
         if found is None or (best is not None and found[0] <= best[0]):
             continue
-        fit = np.array([[j >= 0 and bool(fits[i, j]) for i, j in enumerate(found[1])]])
-        tried = [found] if bool(_explains(fit, crossed)[0]) else None
+        fit = np.array([j >= 0 and bool(fits[i, j]) for i, j in enumerate(found[1])])
+        tried = [found] if explains(fit, crossed) else None
         held = (_assigned(pool, terms, missing, gone, h) for h in _holds(fits, crossed))
         for better in tried or held:
             if better is not None and (best is None or better[0] > best[0]):
@@ -211,27 +222,6 @@ def _assigned(
     return total + (missing if gone is not None else 0.0), choice
 
 
-def _column_added(values: NDArray[Any], last: object) -> NDArray[Any]:
-    return np.concatenate([values, np.full((len(values), 1), last)], axis=1)
-
-
-def fit_term(problem: Problem, offset: Array, angle: Array) -> Array:
-    """Log ratio of planes that fit, per plane."""
-    c = problem.constants
-    peak = (
-        (1 - c.p_moved - c.p_missing) * c.clutter_length / (math.sqrt(2 * math.pi) * c.plane_sigma)
-    )
-    bend = angle**2 / (2 * c.angle_sigma**2)
-    return np.asarray(math.log(peak) - offset**2 / (2 * c.plane_sigma**2) - bend)
-
-
-def moved_term(problem: Problem, angle: Array) -> Array:
-    """Log ratio of moved planes, per plane."""
-    c = problem.constants
-    spread = math.log(c.p_moved * c.clutter_length / (2 * c.moved_limit))
-    return np.asarray(spread - angle**2 / (2 * c.angle_sigma**2))
-
-
 def assignments(possible: Flags) -> list[tuple[int, ...]]:
     """All injective assignments of rows to columns where at most one row is left out (-1)."""
     return _assignments(tuple(tuple(np.flatnonzero(row).tolist()) for row in possible))
@@ -255,14 +245,6 @@ def _assignments(options: tuple[tuple[int, ...], ...]) -> list[tuple[int, ...]]:
     return found
 
 
-def _explains(fitting: Flags, crossed: Flags) -> Flags:
-    """Section 2's conditions on assignments, given which planes fit (k, planes)."""
-    if fitting.shape[1] == 2 or not crossed.any():
-        return np.asarray(fitting.all(axis=1))
-    fit = fitting.astype(int)
-    return np.asarray(((fit @ crossed.astype(int)) * fit).any(axis=1))
-
-
 def pair_up(scores: dict[tuple[int, int], float], rows: int, columns: int) -> list[tuple[int, int]]:
     """Most pairs first, then the largest sum of scores, then the smallest prior indices."""
     if not scores:
@@ -278,6 +260,5 @@ def pair_up(scores: dict[tuple[int, int], float], rows: int, columns: int) -> li
 
 def _fixed(problem: Problem, pairs: tuple[RoomPair, ...]) -> bool:
     """Whether the fitting planes are not all parallel."""
-    angles = np.array([problem.seen[p.r].angles[q.i] for p in pairs for q in p.planes if q.fits])
-    crossed = np.abs(np.sin(angles[:, None] - angles[None, :]))
-    return bool((crossed >= problem.constants.parallel_sine).any())
+    fitting = [int(problem.mine.first[p.r]) + q.i for p in pairs for q in p.planes if q.fits]
+    return bool(problem.crossed[np.ix_(fitting, fitting)].any())

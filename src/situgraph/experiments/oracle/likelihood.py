@@ -13,9 +13,8 @@ from situgraph.experiments.oracle.explained import (
     MOVED,
     PlanePair,
     View,
-    fit_term,
-    moved_term,
 )
+from situgraph.experiments.oracle.loops import fit_term, moved_term
 from situgraph.experiments.oracle.moved_walls import moved_together
 from situgraph.experiments.oracle.objects import most_object_evidence, object_evidence
 from situgraph.experiments.oracle.problem import Problem
@@ -48,17 +47,17 @@ def wall_evidence(problem: Problem, seen: View) -> float:
 def _plane_term(problem: Problem, found: list[PlanePair]) -> float:
     """One online plane, seen by one or more explained rooms."""
     c = problem.constants
-    by_state = {s: [p for p in found if p.state == s] for s in (FIT, MOVED, MISSING)}
-    untied = len(by_state[MISSING]) * math.log(c.p_missing_shared)
-    same = by_state[FIT] or by_state[MOVED]
+    untied = sum(p.state == MISSING for p in found) * math.log(c.p_missing_shared)
+    fits = [p for p in found if p.state == FIT]
+    same = fits or [p for p in found if p.state == MOVED]
     if not same:
         return math.log(c.p_missing)
     # The terms are quadratic, so the mean of the squares goes in as one root mean square.
-    angle = np.sqrt(sum(p.angle**2 for p in same) / len(same))
-    offset = np.sqrt(sum(p.offset**2 for p in same) / len(same))
-    if by_state[FIT]:
-        return float(fit_term(problem, offset, angle)) + untied
-    return float(moved_term(problem, angle)) + untied
+    angle = math.sqrt(sum(p.angle**2 for p in same) / len(same))
+    offset = math.sqrt(sum(p.offset**2 for p in same) / len(same))
+    if fits:
+        return fit_term(problem.terms, offset, angle) + untied
+    return moved_term(problem.terms, angle) + untied
 
 
 def evidence(problem: Problem, seen: View) -> float:
@@ -71,7 +70,7 @@ def most_evidence(problem: Problem) -> float:
     """The largest L there can be: every wall, every room and every object at its place."""
     c = problem.constants
     planes = {plane for shape in problem.seen for plane in shape.planes}
-    walls = len(planes) * float(fit_term(problem, np.zeros(()), np.zeros(())))
+    walls = len(planes) * fit_term(problem.terms, 0.0, 0.0)
     total = walls + len(problem.seen) * math.log(1 - c.p_false_room)
     return total + most_object_evidence(problem) if problem.policy == "likelihood" else total
 

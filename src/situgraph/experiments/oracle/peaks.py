@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+import msgspec
 import numpy as np
 
 from situgraph.experiments.oracle.explained import FIT, MISSING, MOVED, Motion, View, view
 from situgraph.experiments.oracle.likelihood import wall_evidence
+from situgraph.experiments.oracle.loops import least_squares, wrapped
 from situgraph.experiments.oracle.problem import Flags, Problem
-from situgraph.geometry.poses import Array, rotation2, wrap_angle
 
 ROUNDS = 30
 LEAST_GAIN = 1e-3  # of L
@@ -64,79 +66,59 @@ def _changed(held: View) -> Iterator[View]:
             if plane.state == MISSING:
                 continue
             state = MOVED if plane.state == FIT else FIT
-            planes = (*pair.planes[:i], replace(plane, state=state), *pair.planes[i + 1 :])
-            changed = replace(pair, planes=planes)
+            planes = (
+                *pair.planes[:i],
+                msgspec.structs.replace(plane, state=state),
+                *pair.planes[i + 1 :],
+            )
+            changed = msgspec.structs.replace(pair, planes=planes)
             yield replace(held, pairs=(*held.pairs[:k], changed, *held.pairs[k + 1 :]))
 
 
 def beside(problem: Problem, one: Motion, two: Motion) -> bool:
     """Whether two placements are so near that no second candidate can lie between them."""
     c = problem.constants
-    apart = float(np.abs(one.point - two.point).max())
-    turned = abs(float(wrap_angle(one.yaw - two.yaw)))
-    return one.z == two.z and apart <= c.same_distance / 2 and turned <= c.same_yaw / 2
+    (x, y), (u, v) = one.point, two.point
+    apart, turned = max(abs(x - u), abs(y - v)), abs(wrapped(one.yaw - two.yaw))
+    return one.z == two.z and bool(apart <= c.same_distance / 2 and turned <= c.same_yaw / 2)
 
 
 def optimum(problem: Problem, held: View) -> Motion:
-    """The placement of the largest L for fixed correspondences (Gauss-Newton; nearly linear)."""
-    c, walls = problem.constants, _walls(problem, held)
-    motion = held.motion
-    for _ in range(6):
-        arms = walls.arms @ rotation2(motion.yaw).T
-        angle = wrap_angle(walls.angles + motion.yaw)
-        offset = walls.offsets - ((arms + motion.point) * walls.normals).sum(axis=1)
-        swing = walls.normals[:, 1] * arms[:, 0] - walls.normals[:, 0] * arms[:, 1]
-        turn = np.zeros((len(angle), 3))
-        turn[:, 0] = 1.0
-        slide = -np.column_stack([swing, walls.normals])
-        fits = walls.fits
-        residuals = np.concatenate(
-            [walls.weights * angle / c.angle_sigma, (walls.weights * offset / c.plane_sigma)[fits]]
-        )
-        slopes = np.concatenate(
-            [
-                walls.weights[:, None] * turn / c.angle_sigma,
-                (walls.weights[:, None] * slide / c.plane_sigma)[fits],
-            ]
-        )
-        step = np.linalg.lstsq(slopes, -residuals, rcond=1e-9)[0]
-        yaw = float(wrap_angle(motion.yaw + step[0]))
-        motion = Motion(yaw, motion.point + step[1:], motion.z)
-        if np.abs(step).max() < 1e-10:
-            break
-    return motion
+    """The placement of the largest L for fixed correspondences."""
+    c, motion = problem.constants, held.motion
+    mine, theirs = problem.mine, problem.theirs
+    pulls = _pulls(problem, held)
+    r, p, q = np.array([pull[:3] for pull in pulls]).T
+    yaw, point = least_squares(
+        problem.arms[r],
+        theirs.normals[q],
+        mine.distances[p] - theirs.offsets[q],
+        mine.angles[p] - theirs.angles[q],
+        np.array([weight for *_, weight, _ in pulls]),
+        np.array([fits for *_, fits in pulls]),
+        (c.plane_sigma, c.angle_sigma),
+        motion.yaw,
+        motion.point,
+    )
+    return Motion(yaw, point, motion.z)
 
 
-@dataclass(frozen=True, eq=False)
-class _Walls:
-    """The plane pairs that pull at a placement, at yaw and point zero."""
-
-    arms: Array
-    normals: Array
-    offsets: Array
-    angles: Array
-    weights: Array
-    fits: Flags
-
-
-def _walls(problem: Problem, held: View) -> _Walls:
-    paired = [(p, q) for p in held.pairs for q in p.planes if q.j is not None]
-    names = [(problem.seen[p.r].planes[q.i], q.state) for p, q in paired]
-    count = Counter(names)
+def _pulls(problem: Problem, held: View) -> list[tuple[int, int, int, float, bool]]:
+    """The plane pairs that pull: online room, plane, prior plane, weight, whether it fits."""
+    mine, theirs = problem.mine.first.tolist(), problem.theirs.first.tolist()
+    paired = [
+        ((problem.seen[p.r].planes[q.i], q.state), p.r, mine[p.r] + q.i, theirs[p.a] + q.j)
+        for p in held.pairs
+        for q in p.planes
+        if q.j is not None
+    ]
+    count = Counter(name for name, *_ in paired)
     # The state of a shared plane is the best of its occurrences; the others do not count.
-    pulls = [
-        (problem.seen[p.r], q.i, problem.planned[p.a], q.j, name)
-        for (p, q), name in zip(paired, names)
+    return [
+        (*pull, 1 / math.sqrt(count[name]), name[1] == FIT)
+        for name, *pull in paired
         if name[1] == FIT or (name[0], FIT) not in count
     ]
-    return _Walls(
-        arms=np.array([mine.center - problem.middle for mine, *_ in pulls]),
-        normals=np.array([theirs.normals[j] for _, _, theirs, j, _ in pulls]),
-        offsets=np.array([m.distances[i] - t.offsets[j] for m, i, t, j, _ in pulls]),
-        angles=np.array([m.angles[i] - t.angles[j] for m, i, t, j, _ in pulls]),
-        weights=np.array([1 / np.sqrt(count[name]) for *_, name in pulls]),
-        fits=np.array([name[1] == FIT for *_, name in pulls]),
-    )
 
 
 def _kept_feasible(problem: Problem, start: View, goal: Motion, near: Flags) -> View:
@@ -145,7 +127,7 @@ def _kept_feasible(problem: Problem, start: View, goal: Motion, near: Flags) -> 
     if reached.feasible:
         return reached
     low, high, best = 0.0, 1.0, start
-    turn = float(wrap_angle(goal.yaw - start.motion.yaw))
+    turn = wrapped(goal.yaw - start.motion.yaw)
     while high - low > SMALLEST_STEP:
         share = (low + high) / 2
         point = start.motion.point + share * (goal.point - start.motion.point)

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from situgraph.experiments.oracle.definition import Definition, Policy
+from situgraph.experiments.oracle.definition import Definition, Policy, Terms
 from situgraph.geometry.poses import Array
 from situgraph.scenegraph.graph import Object, Room, SceneGraph
 
 Flags = NDArray[np.bool_]
+Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +39,19 @@ class Shape:
         """Signed distance of the centre from each plane, as the file orients it."""
         return self.normals @ self.center + self.offsets
 
-    def not_parallel(self, sine: float) -> Flags:
-        """(n, n): which pairs of planes are not parallel."""
-        crossed = np.sin(self.angles[:, None] - self.angles[None, :])
-        return np.asarray(np.abs(crossed) >= sine)
+
+class Stack(NamedTuple):
+    """All planes of all rooms, one after the other; room ``r`` has ``first[r]:first[r + 1]``."""
+
+    first: Numbers
+    angles: Array
+    normals: Array
+    offsets: Array
+    distances: Array
+
+    def planes(self, r: int) -> slice:
+        """Where the planes of a room are."""
+        return slice(int(self.first[r]), int(self.first[r + 1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +82,44 @@ class Problem:
         return _shapes(self.prior, self.constants)
 
     @cached_property
+    def mine(self) -> Stack:
+        """The planes of the online rooms."""
+        return _stacked(self.seen)
+
+    @cached_property
+    def theirs(self) -> Stack:
+        """The planes of the prior rooms."""
+        return _stacked(self.planned)
+
+    @cached_property
+    def planned_lines(self) -> list[list[tuple[tuple[float, float], float]]]:
+        """The lines of each prior room's planes, from the mean of the prior rooms' centres."""
+        middle = np.mean([s.center for s in self.planned], axis=0)
+        return [
+            [((x, y), d) for (x, y), d in zip(s.normals.tolist(), (s.offsets + s.normals @ middle))]
+            for s in self.planned
+        ]
+
+    @cached_property
+    def crossed(self) -> Flags:
+        """(P, P): which of all online planes are not parallel."""
+        turn = np.sin(self.mine.angles[:, None] - self.mine.angles[None, :])
+        return np.asarray(np.abs(turn) >= self.constants.parallel_sine)
+
+    @cached_property
+    def arms(self) -> Array:
+        """Where each online room's centre lies from the mean one (N, 2)."""
+        return np.array([s.center for s in self.seen]) - self.middle
+
+    @cached_property
     def middle(self) -> Array:
         """The mean online room centre (2,): a placement is told by where it takes this point."""
         return np.asarray(np.mean([s.center for s in self.seen], axis=0))
+
+    @cached_property
+    def terms(self) -> Terms:
+        """The constants of the log ratio of planes."""
+        return self.constants.terms()
 
     @cached_property
     def least_rooms(self) -> int:
@@ -90,28 +136,40 @@ class Problem:
         """Every shift in height worth a look."""
         return _shifts(self.seen, self.planned, self.constants.storey_tolerance)
 
+    @cached_property
+    def allowed(self) -> Flags:
+        """(P, Q): which plane pairs the policy lets be pairs, in room pairs that may be pairs."""
+        rooms = self._rooms_allowed
+        rows = np.repeat(np.arange(len(rooms)), np.diff(self.mine.first))
+        columns = np.repeat(np.arange(rooms.shape[1]), np.diff(self.theirs.first))
+        return np.asarray(self._planes_allowed & rooms[np.ix_(rows, columns)])
+
     def room_allowed(self, r: int, a: int) -> bool:
         """Whether the policy lets this room pair be a pair."""
-        if self.policy != "containment":
-            return True
-        have = self.prior.objects_by_room.get(self.planned[a].room.id, ())
-        need = self.online.objects_by_room.get(self.seen[r].room.id, ())
-        return _contains(have, need, self.modelled)
+        return bool(self._rooms_allowed[r, a])
 
     def planes_allowed(self, r: int, a: int) -> Flags:
         """(planes of r, planes of a): which plane pairs the policy lets be pairs.
 
         Of what is on a plane, only what is in the room too is asked for, and offered.
         """
-        mine, theirs = self.seen[r], self.planned[a]
+        return self._planes_allowed[self.mine.planes(r), self.theirs.planes(a)]
+
+    @cached_property
+    def _rooms_allowed(self) -> Flags:
         if self.policy != "containment":
-            return np.ones((len(mine.planes), len(theirs.planes)), dtype=bool)
-        need = [_on_face(self.online, mine.room, p) for p in mine.planes]
-        have = [_on_face(self.prior, theirs.room, q) for q in theirs.planes]
-        return np.array(
-            [[_contains(offer, asked, self.modelled) for offer in have] for asked in need],
-            dtype=bool,
-        )
+            return np.ones((len(self.seen), len(self.planned)), dtype=bool)
+        need = [self.online.objects_by_room.get(s.room.id, ()) for s in self.seen]
+        have = [self.prior.objects_by_room.get(s.room.id, ()) for s in self.planned]
+        return _contained(need, have, self.modelled)
+
+    @cached_property
+    def _planes_allowed(self) -> Flags:
+        if self.policy != "containment":
+            return np.ones((len(self.mine.angles), len(self.theirs.angles)), dtype=bool)
+        need = [_on_face(self.online, s.room, p) for s in self.seen for p in s.planes]
+        have = [_on_face(self.prior, s.room, q) for s in self.planned for q in s.planes]
+        return _contained(need, have, self.modelled)
 
 
 def _on_face(graph: SceneGraph, room: Room, plane: str) -> tuple[Object, ...]:
@@ -119,11 +177,25 @@ def _on_face(graph: SceneGraph, room: Room, plane: str) -> tuple[Object, ...]:
     return tuple(o for o in graph.objects_by_plane.get(plane, ()) if room.id in o.rooms)
 
 
-def _contains(
-    have: tuple[Object, ...], need: tuple[Object, ...], categories: frozenset[str]
-) -> bool:
-    return all(
-        sum(o.category == c for o in have) >= sum(o.category == c for o in need) for c in categories
+def _contained(
+    need: list[tuple[Object, ...]], have: list[tuple[Object, ...]], categories: frozenset[str]
+) -> Flags:
+    """(needs, offers): whether each category is offered as often as it is needed."""
+    enough = np.ones((len(need), len(have)), dtype=bool)
+    for category in categories:
+        asked = [sum(o.category == category for o in objects) for objects in need]
+        offered = [sum(o.category == category for o in objects) for objects in have]
+        enough &= np.array(offered)[None, :] >= np.array(asked)[:, None]
+    return enough
+
+
+def _stacked(shapes: list[Shape]) -> Stack:
+    return Stack(
+        first=np.cumsum([0, *(len(s.planes) for s in shapes)]),
+        angles=np.concatenate([s.angles for s in shapes]),
+        normals=np.concatenate([s.normals for s in shapes]),
+        offsets=np.concatenate([s.offsets for s in shapes]),
+        distances=np.concatenate([s.distances for s in shapes]),
     )
 
 

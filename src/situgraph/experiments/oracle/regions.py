@@ -6,44 +6,33 @@ on the yaw only through *which* planes have the same direction.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import bisect
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from situgraph.experiments.oracle.explained import SLACK, assignments
-from situgraph.experiments.oracle.problem import Flags, Problem, Shape
+from situgraph.experiments.oracle.loops import Crowd, Limits, vertices, what_holds
+from situgraph.experiments.oracle.problem import Flags, Numbers, Problem
 from situgraph.geometry.poses import Array, wrap_angle
 
 TURN = 2 * np.pi
 EVERYWHERE = np.array([[-np.inf, -np.inf], [np.inf, np.inf]])
 
 
-def crossings(normals: Array, values: Array) -> Array:
-    """All points (k, 2) where two of the lines ``n.x = value`` cross."""
-    first, second = np.triu_indices(len(normals), 1)
-    n, m = normals[first], normals[second]
-    cross = n[:, 0] * m[:, 1] - n[:, 1] * m[:, 0]
-    keep = np.abs(cross) > 1e-6
-    n, m, cross = n[keep], m[keep], cross[keep]
-    u, v = values[first][keep], values[second][keep]
-    x = (u * m[:, 1] - v * n[:, 1]) / cross
-    y = (v * n[:, 0] - u * m[:, 0]) / cross
-    return np.stack([x, y], axis=1)
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Which planes have the same direction at some yaw, and the boxes of the room pairs there.
 
+    ``rooms`` (k, 2) are the room pairs that can be explained somewhere, ``directed`` their plane
+    pairs, ``low`` and ``high`` (k, 2) the bounding boxes of where their moved centres may lie.
+    """
 
-def _stacked(shapes: list[Shape]) -> tuple[list[slice], Array]:
-    """All planes of all rooms one after the other: where each room's are, and their directions."""
-    ends = np.cumsum([len(s.planes) for s in shapes]).tolist()
-    slices = [slice(end - len(s.planes), end) for s, end in zip(shapes, ends)]
-    return slices, np.concatenate([s.angles for s in shapes])
-
-
-class Held(NamedTuple):
-    """For some places of a room: is it explained; which plane pairs (k, pairs) are near, fit."""
-
-    good: Flags
-    near: Flags
-    fits: Flags
+    rooms: Numbers
+    directed: list[Flags]
+    low: Array
+    high: Array
+    crowds: dict[bytes, tuple[bytes, Crowd]] = field(default_factory=dict)
 
 
 class Regions:
@@ -51,65 +40,75 @@ class Regions:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
+        c = problem.constants
+        self.lines = Limits(c.angle_tolerance, c.moved_limit, c.fit_limit)
+        self.limits = Limits(*(limit + SLACK for limit in self.lines))
         self._boxes: dict[tuple[int, int, bytes], Array | None] = {}
-        self._rows, row_angles = _stacked(problem.seen)
-        self._columns, column_angles = _stacked(problem.planned)
-        self._turn = row_angles[:, None] - column_angles[None, :]
-        self._allowed = np.zeros(self._turn.shape, dtype=bool)
-        for r, rows in enumerate(self._rows):
-            for a, columns in enumerate(self._columns):
-                if problem.room_allowed(r, a):
-                    self._allowed[rows, columns] = problem.planes_allowed(r, a)
+        self._patterns: dict[tuple[float, int, bytes], Pattern] = {}
+        self._ends: dict[float, list[float]] = {}
+        self._turn = problem.mine.angles[:, None] - problem.theirs.angles[None, :]
 
-    def directed(self, yaw: float, spread: float, among: Flags) -> dict[tuple[int, int], Flags]:
-        """Plane pairs of the same direction at a yaw, or at some yaw within ``spread`` of it.
+    def pattern(self, yaw: float, spread: float, among: Flags) -> Pattern:
+        """The planes of the same direction at a yaw, or at some yaw within ``spread`` of it.
 
-        Only for those room pairs ``among`` (N, M) where at most one plane has no counterpart.
+        Only of those room pairs ``among`` (N, M) where at most one plane has no counterpart.
         """
-        limit = self.problem.constants.angle_tolerance + spread + SLACK
-        near = (np.abs(wrap_angle(self._turn + yaw)) <= limit) & self._allowed
-        found = np.logical_or.reduceat(near, [c.start for c in self._columns], axis=1)
-        bare = np.add.reduceat(~found, [r.start for r in self._rows], axis=0, dtype=int)
-        return {
-            (r, a): near[self._rows[r], self._columns[a]]
-            for r, a in np.argwhere((bare <= 1) & among).tolist()
-        }
+        if spread not in self._ends:
+            self._ends[spread] = self._changes(self.limits.angle + spread)
+        # Between two changes nothing changes.
+        key = spread, bisect.bisect(self._ends[spread], yaw % TURN), among.tobytes()
+        if key not in self._patterns:
+            near = np.abs(wrap_angle(self._turn + yaw)) <= self.limits.angle + spread
+            self._patterns[key] = self._find_pattern(near & self.problem.allowed, among)
+        return self._patterns[key]
 
-    def lines(self, r: int, a: int, directed: Flags) -> tuple[Array, Array]:
-        """Every tolerance limit of the pair as a line ``n.x = value`` for the moved centre."""
-        c = self.problem.constants
-        i, j = np.nonzero(directed)
-        theirs = self.problem.planned[a]
-        zero = self.problem.seen[r].distances[i] - theirs.offsets[j]
-        limits = np.array([-c.moved_limit, -c.fit_limit, c.fit_limit, c.moved_limit])
-        values = zero[:, None] + limits[None, :]
-        return np.repeat(theirs.normals[j], len(limits), axis=0), values.ravel()
+    def _changes(self, tolerance: float) -> list[float]:
+        """The yaws at which some plane pair begins or ceases to have the same direction."""
+        ends = np.concatenate([-self._turn - tolerance, -self._turn + tolerance], axis=None)
+        return sorted((ends % TURN).tolist())
 
-    def explained(self, r: int, a: int, directed: Flags, centers: Array) -> Held:
-        """What holds when the room's centre is moved to each of ``centers`` (k, 2)."""
-        c = self.problem.constants
-        mine, theirs = self.problem.seen[r], self.problem.planned[a]
-        rows, columns = np.nonzero(directed)
-        reach = centers @ theirs.normals[columns].T + theirs.offsets[columns]
-        offset = np.abs(mine.distances[rows] - reach)
-        near, fits = offset <= c.moved_limit + SLACK, offset <= c.fit_limit + SLACK
-        place = {(i, j): k for k, (i, j) in enumerate(zip(rows.tolist(), columns.tolist()))}
-        crossed = mine.not_parallel(c.parallel_sine)
-        good = np.zeros(len(centers), dtype=bool)
-        for choice in assignments(directed):
-            pairs = [(i, place[i, j]) for i, j in enumerate(choice) if j >= 0]
-            held = [k for _, k in pairs]
-            if len(choice) == 2 or not crossed.any():
-                if len(pairs) == len(choice):
-                    good |= fits[:, held].all(axis=1)
-                continue
-            anchored = np.zeros(len(centers), dtype=bool)
-            for n, (i, k) in enumerate(pairs):
-                for j, m in pairs[n + 1 :]:
-                    if crossed[i, j]:
-                        anchored |= fits[:, k] & fits[:, m]
-            good |= anchored & near[:, held].all(axis=1)
-        return Held(good, near, fits)
+    def _find_pattern(self, near: Flags, among: Flags) -> Pattern:
+        mine, theirs = self.problem.mine, self.problem.theirs
+        found = np.logical_or.reduceat(near, theirs.first[:-1], axis=1)
+        bare = np.add.reduceat(~found, mine.first[:-1], axis=0, dtype=int)
+        rooms, every, boxes = [], [], []
+        for r, a in np.argwhere((bare <= 1) & among).tolist():
+            directed = near[mine.planes(r), theirs.planes(a)]
+            box = self.box(r, a, directed)
+            if box is not None:
+                rooms.append((r, a))
+                every.append(directed)
+                boxes.append(box)
+        sides = np.array(boxes).reshape(-1, 2, 2)
+        return Pattern(np.array(rooms, dtype=int).reshape(-1, 2), every, sides[:, 0], sides[:, 1])
+
+    def crowd(self, pattern: Pattern, chosen: Numbers) -> tuple[bytes, Crowd]:
+        """Some of a pattern's room pairs, and a name for them and their plane pairs."""
+        key = chosen.tobytes()
+        if key not in pattern.crowds:
+            directed = [pattern.directed[n] for n in chosen.tolist()]
+            rooms = pattern.rooms[chosen]
+            name = repr([(*pair, d.tobytes()) for pair, d in zip(rooms.tolist(), directed)])
+            pattern.crowds[key] = name.encode(), self._crowd(rooms, directed)
+        return pattern.crowds[key]
+
+    def _crowd(self, rooms: Numbers, directed: list[Flags]) -> Crowd:
+        mine, theirs = self.problem.mine, self.problem.theirs
+        planes = np.concatenate([np.argwhere(flags) for flags in directed])
+        sizes = [int(flags.sum()) for flags in directed]
+        of = np.repeat(rooms, sizes, axis=0)
+        p, q = mine.first[of[:, 0]] + planes[:, 0], theirs.first[of[:, 1]] + planes[:, 1]
+        gaps = mine.distances[p] - theirs.offsets[q]
+        return Crowd(rooms, np.cumsum([0, *sizes]), planes, theirs.normals[q], gaps)
+
+    def vertices(self, crowd: Crowd, low: Array, high: Array, least: int) -> Array:
+        """All points where two tolerance limits cross, in the boxes of at least so many rooms."""
+        return vertices(crowd, self.lines, low, high, least)
+
+    def what_holds(self, crowd: Crowd, points: Array) -> tuple[Flags, Flags, Numbers]:
+        """What holds at each of the points (``loops.what_holds``)."""
+        problem = self.problem
+        return what_holds(crowd, self.limits, problem.crossed, problem.mine, problem.theirs, points)
 
     def box(self, r: int, a: int, directed: Flags) -> Array | None:
         """Bounding box ``[[x, y], [x, y]]`` of the region, None when it is empty."""
@@ -119,13 +118,12 @@ class Regions:
         return self._boxes[key]
 
     def _find_box(self, r: int, a: int, directed: Flags) -> Array | None:
-        mine = self.problem.seen[r]
-        if not mine.not_parallel(self.problem.constants.parallel_sine).any():
+        rows = self.problem.mine.planes(r)
+        if not self.problem.crossed[rows, rows].any():
             return self._strip_box(r, a, directed)
-        centers = crossings(*self.lines(r, a, directed))
-        if not len(centers):
-            return None
-        centers = centers[self.explained(r, a, directed, centers).good]
+        crowd = self._crowd(np.array([[r, a]]), [directed])
+        centers = self.vertices(crowd, EVERYWHERE[:1], EVERYWHERE[1:], 1)
+        centers = centers[self.what_holds(crowd, centers)[0][:, 0]]
         return np.array([centers.min(axis=0), centers.max(axis=0)]) if len(centers) else None
 
     def _strip_box(self, r: int, a: int, directed: Flags) -> Array | None:
@@ -154,8 +152,8 @@ class Regions:
 
     def fits_somewhere(self, r: int, a: int) -> bool:
         """Whether prior room ``a`` explains online room ``r`` in isolation, at any yaw."""
-        block = self._rows[r], self._columns[a]
-        turn, allowed = self._turn[block], self._allowed[block]
+        block = self.problem.mine.planes(r), self.problem.theirs.planes(a)
+        turn, allowed = self._turn[block], self.problem.allowed[block]
         tolerance = self.problem.constants.angle_tolerance
         ends = np.sort(np.concatenate([-turn - tolerance, -turn + tolerance], axis=None) % TURN)
         ends = np.append(ends, ends[0] + TURN)
