@@ -70,10 +70,11 @@ def test_full_size_is_the_stated_one(tmp_path: Path, monkeypatch: pytest.MonkeyP
         for task in experiment.tasks:  # type: ignore[attr-defined]
             name = f"{task['part']} {task.get('errors', '')}".strip()
             seen[name] = seen.get(name, 0) + 1
-        return ExperimentResult("matching", 0, "", [], {})
+        rows = [{**task, "answer": ""} for task in experiment.tasks]  # type: ignore[attr-defined]
+        return ExperimentResult("matching", 0, "", rows, {})
 
     monkeypatch.setattr(matching, "run_experiment", count)
     matching.run(RunOptions(full=True))
-    assert seen["oracle"] == 5_000
+    assert seen["brute force"] == seen["oracle"] == 5_000
     assert seen["trial covered"] == 20_000
     assert seen["foreign"] == seen["mirrored"] == 2 * 200

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from situgraph.experiments.oracle.cases import draw
+from situgraph import matching
+from situgraph.experiments.oracle import kept
+from situgraph.experiments.oracle.answer import answer
+from situgraph.experiments.oracle.cases import Case, draw
 from situgraph.experiments.oracle.comparison import compare
 from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.grids import grid, placements
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.geometry.poses import Placement
 from situgraph.matching import MatchingConfig, PlanIndex, match
+from situgraph.scenegraph.graph import SceneGraph
 from situgraph.scenegraph.transform import transformed
 
 # Identical patterns (rows, columns) in identical plans, and whether the rooms are square.
@@ -30,9 +35,28 @@ GRIDS = (
 FRAME = Placement(3.0, -7.0, 0.0, 0.7)
 
 
-def oracle_tasks(seed: int, cases: int) -> Iterator[dict[str, Any]]:
-    """The numbered cases of ``oracle.cases``."""
-    return ({"part": "oracle", "number": seed + number} for number in range(cases))
+def brute_force_tasks(seed: int, cases: int) -> Iterator[dict[str, Any]]:
+    """The numbered cases of ``oracle.cases``, to be answered by the brute force as it is now."""
+    for number in range(seed, seed + cases):
+        yield {"part": "brute force", "number": number, "sources": kept.sources()}
+
+
+def solve_brute_force(task: Mapping[str, Any]) -> dict[str, Any]:
+    """The brute force's answer to one case, as text."""
+    online, problem = _problem(draw(task["number"]))
+    return {**task, "answer": kept.to_text(answer(problem), online, problem.prior)}
+
+
+def oracle_tasks(answers: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
+    """The cases that the brute force answered, for the search as it is now."""
+    search = kept.sources_key(Path(matching.__file__).parent)
+    for row in answers:
+        yield {
+            "part": "oracle",
+            "number": row["number"],
+            "search": search,
+            "answer": row["answer"],
+        }
 
 
 def grid_tasks(full: bool) -> Iterator[dict[str, Any]]:
@@ -45,15 +69,20 @@ def grid_tasks(full: bool) -> Iterator[dict[str, Any]]:
 def solve_oracle(task: Mapping[str, Any]) -> dict[str, Any]:
     """Compare the matcher and the brute force on one case."""
     case = draw(task["number"])
-    prior, sample = case.graphs()
-    problem = Problem(sample.online, prior, case.policy, Definition())
-    found = compare(sample.online, prior, problem)
+    online, problem = _problem(case)
+    own = kept.from_text(task["answer"], online, problem.prior)
+    found = compare(online, problem.prior, problem, own)
     return {
-        **task,
+        **{name: task[name] for name in ("part", "number", "search")},
         **msgspec.to_builtins(case),
         **msgspec.to_builtins(found),
         "agrees": found.agrees,
     }
+
+
+def _problem(case: Case) -> tuple[SceneGraph, Problem]:
+    prior, sample = case.graphs()
+    return sample.online, Problem(sample.online, prior, case.policy, Definition())
 
 
 def solve_grid(task: Mapping[str, Any]) -> dict[str, Any]:

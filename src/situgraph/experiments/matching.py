@@ -48,11 +48,12 @@ def run(options: RunOptions) -> ExperimentResult:
         name: int(options.extra.get(name, sizes[options.full])) for name, sizes in SIZES.items()
     }
     seed = options.seed
+    answers = brute_force(seed, size["oracle_cases"], options) if size["oracle_cases"] else []
     tasks = [
         *paper_figure.figure_tasks(seed, size["layouts"]),
         *paper_figure.growth_tasks(seed, size["growth"]),
         *exactness.grid_tasks(options.full),
-        *exactness.oracle_tasks(seed, size["oracle_cases"]),
+        *exactness.oracle_tasks(answers),
         *certificate.trial_tasks(seed, size["trials"], "covered"),
         *certificate.trial_tasks(seed, size["beyond"], "beyond"),
         *certificate.cross_tasks(seed, size["pairs"]),
@@ -62,6 +63,15 @@ def run(options: RunOptions) -> ExperimentResult:
     if options.folder is not None:
         draw(result, options.folder)
     return result
+
+
+def brute_force(seed: int, cases: int, options: RunOptions) -> list[dict[str, Any]]:
+    """The brute force's answers, kept apart: a change of the search does not ask for them anew."""
+    tasks = list(exactness.brute_force_tasks(seed, cases))
+    experiment = Experiment(
+        "brute-force", tasks, exactness.solve_brute_force, lambda rows: {}, seed
+    )
+    return run_experiment(experiment, options).rows
 
 
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:

@@ -146,7 +146,7 @@ def test_storeys_agree_by_one_shift_for_all() -> None:
         return graph.replace(rooms=rooms, storeys=storeys)
 
     found = answer(problem(stacked((0.0, 3.0)), stacked((5.0, 8.0))))
-    assert {round(c.view.motion.z, 6) for c in found.candidates} == {5.0}
+    assert {round(c.motion.z, 6) for c in found.candidates} == {5.0}
     assert not answer(problem(stacked((0.0, 3.0)), stacked((5.0, 9.0)))).candidates
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import msgspec
 import numpy as np
 
-from situgraph.experiments.oracle.explained import Motion, View, view
+from situgraph.experiments.oracle.explained import Fitting, Motion, View, fitting, view
 from situgraph.experiments.oracle.likelihood import (
     evidence,
     log_weight,
@@ -27,34 +28,42 @@ COUNTS = 12.0  # nats below the best beyond which a candidate's exact L is of no
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A peak: what it explains, its L, and its probability against all others and 'outside'."""
+    """A peak: its L, and its probability against all others and 'outside'."""
 
-    view: View
+    motion: Motion
     evidence: float
     probability: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
+class Start:
+    """A feasible placement that was found, the plane pairs that fit there, where it leads to."""
+
+    motion: Motion
+    fitting: frozenset[Fitting]
+    peak: Motion
+
+
+@dataclass(frozen=True, eq=False)
 class Answer:
-    """Everything the definition says about a pair of graphs; candidates best first."""
+    """Everything the definition says about a pair of graphs; candidates best first.
+
+    ``outside`` and ``mirrored`` are the ln W of these hypotheses, the second None when not asked.
+    """
 
     candidates: tuple[Candidate, ...]
     solutions: tuple[Candidate, ...]
-    probability_outside: float
     verdict: str
-    feasible: tuple[View, ...] = ()
-    peaks: tuple[View, ...] = ()
+    probability_outside: float
+    outside: float
+    mirrored: float | None = None
+    feasible: tuple[Start, ...] = ()
 
 
-def answer(problem: Problem, extra: tuple[View, ...] = ()) -> Answer:
-    """The definition's answer; ``extra`` feasible placements are peaks to be weighed as well.
-
-    ``feasible`` and ``peaks`` of the answer tell, one for one, each feasible placement that was
-    found and the peak it leads to.
-    """
+def answer(problem: Problem) -> Answer:
+    """The definition's answer."""
     regions = Regions(problem)
-    feasible: list[View] = []
-    peaks: list[View] = []
+    starts: list[Start] = []
     climbed: dict[tuple[object, ...], View] = {}
     tops: list[View] = []
     # The best fitting first: the others then mostly lie beside a peak that is known already.
@@ -65,14 +74,12 @@ def answer(problem: Problem, extra: tuple[View, ...] = ()) -> Answer:
         key = (found.motion.z, *start.signature)
         if start.feasible and key not in climbed:
             climbed[key] = peak(problem, start, found.near, tops)
-            feasible.append(start)
-            peaks.append(climbed[key])
+            starts.append(Start(start.motion, fitting(start), climbed[key].motion))
             if not any(climbed[key] is top for top in tops):
                 tops.append(climbed[key])
-    candidates = _raised(problem, distinct(problem, [*_complete(problem, peaks), *extra]))
-    return replace(
-        judge(problem, candidates, regions), feasible=tuple(feasible), peaks=tuple(peaks)
-    )
+    candidates = _raised(problem, _complete(problem, [*climbed.values()]))
+    outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
+    return replace(judge(problem, candidates, outside), feasible=tuple(starts))
 
 
 def _complete(problem: Problem, peaks: list[View]) -> list[View]:
@@ -84,19 +91,25 @@ def _complete(problem: Problem, peaks: list[View]) -> list[View]:
     return [view(problem, p.motion, storeys(problem, p.motion.z), 1e-7) for p in by_place.values()]
 
 
-def _raised(problem: Problem, candidates: list[Candidate]) -> list[Candidate]:
+def _raised(problem: Problem, peaks: list[View]) -> list[Candidate]:
     """The candidates with the highest peak of each that counts; hopeless ones stay as they are."""
+    by_motion = {id(p.motion): p for p in peaks}
+    candidates = distinct(problem, weighed(problem, peaks))
     if not candidates:
         return []
     least = candidates[0].evidence - COUNTS
     raised = []
     for k in candidates:
+        top = by_motion[id(k.motion)]
         if k.evidence >= least:
-            near = storeys(problem, k.view.motion.z)
-            raised.append(highest(problem, k.view, near))
-        else:
-            raised.append(k.view)
-    return distinct(problem, raised)
+            top = highest(problem, top, storeys(problem, k.motion.z))
+        raised.append(top)
+    return distinct(problem, weighed(problem, raised))
+
+
+def weighed(problem: Problem, peaks: Iterable[View]) -> list[Candidate]:
+    """Those of the peaks that are feasible, with their L."""
+    return [Candidate(p.motion, evidence(problem, p)) for p in peaks if p.feasible]
 
 
 def storeys(problem: Problem, z: float) -> Flags:
@@ -114,28 +127,28 @@ def same(problem: Problem, one: Motion, two: Motion) -> bool:
     )
 
 
-def distinct(problem: Problem, peaks: list[View]) -> list[Candidate]:
-    """Of peaks that are the same the best, best first."""
-    ranked = sorted((Candidate(p, evidence(problem, p)) for p in peaks if p.feasible), key=_rank)
+def distinct(problem: Problem, candidates: Iterable[Candidate]) -> list[Candidate]:
+    """Of candidates that are the same the best, best first."""
     kept: list[Candidate] = []
-    for candidate in ranked:
-        if not any(same(problem, candidate.view.motion, k.view.motion) for k in kept):
+    for candidate in sorted(candidates, key=_rank):
+        if not any(same(problem, candidate.motion, k.motion) for k in kept):
             kept.append(candidate)
     return kept
 
 
 def _rank(candidate: Candidate) -> tuple[float, ...]:
-    at = candidate.view.motion
+    at = candidate.motion
     return (-round(candidate.evidence, 9), at.z, at.yaw, *at.point.tolist())
 
 
-def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> Answer:
-    """Probabilities, solutions and the verdict.
+def judge(
+    problem: Problem, candidates: list[Candidate], outside: float, mirrored: float | None = None
+) -> Answer:
+    """Probabilities, solutions and the verdict; ``mirrored`` is worked out when it is asked.
 
     Whether the plan is mirrored is asked only of what would be unique, and not of a graph that the
     best candidate explains so well that its mirror image could not do so by a factor more.
     """
-    outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
     judged = _judged(problem, candidates, outside)
     if judged.verdict != "unique" or problem.policy == "containment":
         return judged
@@ -144,27 +157,28 @@ def judge(problem: Problem, candidates: list[Candidate], regions: Regions) -> An
     odds = c.mirror_prior / (1 - c.outside_prior) / (1 / c.unique_probability - 1)
     if c.mirror_prior <= 0 or gain + math.log(odds) <= 0:
         return judged
-    return _judged(problem, candidates, float(np.logaddexp(outside, log_weight_mirrored(problem))))
+    if mirrored is None:
+        mirrored = log_weight_mirrored(problem)
+    judged = _judged(problem, candidates, float(np.logaddexp(outside, mirrored)))
+    return replace(judged, outside=outside, mirrored=mirrored)
 
 
 def _judged(problem: Problem, candidates: list[Candidate], outside: float) -> Answer:
     c = problem.constants
     weights = [log_weight(problem, k.evidence) for k in candidates]
     total = float(np.logaddexp.reduce([*weights, outside]))
-    weighed = tuple(
-        replace(k, probability=math.exp(w - total)) for k, w in zip(candidates, weights)
-    )
+    shared = tuple(replace(k, probability=math.exp(w - total)) for k, w in zip(candidates, weights))
     inside = float(np.logaddexp.reduce(weights)) if weights else -math.inf
     solutions: tuple[Candidate, ...] = ()
     verdict = "none"
     if outside <= inside:
         least = max(weights) + (math.log(c.rival_ratio) if c.rival_ratio > 0 else -math.inf)
-        solutions = tuple(k for k, w in zip(weighed, weights) if w >= least)
+        solutions = tuple(k for k, w in zip(shared, weights) if w >= least)
         # The paper's filter knows nothing of what lies outside the plan.
         among = inside if problem.policy == "containment" else total
         sure = len(solutions) == 1 and math.exp(weights[0] - among) >= c.unique_probability
         verdict = "unique" if sure else "ambiguous"
-    return Answer(weighed, solutions, math.exp(outside - total), verdict)
+    return Answer(shared, solutions, verdict, math.exp(outside - total), outside)
 
 
 def log_weight_mirrored(problem: Problem) -> float:

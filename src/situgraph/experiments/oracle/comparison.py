@@ -11,16 +11,17 @@ import msgspec
 from situgraph.experiments.oracle.answer import (
     Answer,
     Candidate,
+    Start,
     answer,
     distinct,
     explained_at,
     judge,
     motion_of,
     same,
+    weighed,
 )
-from situgraph.experiments.oracle.explained import View
+from situgraph.experiments.oracle.explained import Motion, fitting
 from situgraph.experiments.oracle.problem import Problem
-from situgraph.experiments.oracle.regions import Regions
 from situgraph.geometry.poses import Placement
 from situgraph.matching import PlanIndex, match
 from situgraph.matching.config import MatchingConfig
@@ -63,25 +64,35 @@ class Comparison(msgspec.Struct, frozen=True):
         )
 
 
-def compare(online: SceneGraph, prior: SceneGraph, problem: Problem) -> Comparison:
-    """Match with the defaults and with all candidates listed, and compare with the definition."""
+def compare(
+    online: SceneGraph, prior: SceneGraph, problem: Problem, own: Answer | None = None
+) -> Comparison:
+    """Match with the defaults and with all candidates listed, and compare with the definition.
+
+    ``own`` is the brute force's answer where it is known.
+    """
     everything = MatchingConfig(rival_ratio=0.0, outside_prior=1e-300, max_solutions=1_000_000)
     index = PlanIndex(prior)
     listed = match(online, index, semantics=problem.policy, config=everything).to_dict()
     told = match(online, index, semantics=problem.policy).to_dict()
     placements = [_placement(s) for s in listed["solutions"]]
     views = [explained_at(problem, p, ROUNDING) for p in placements]
-    sound = [v for v in views if v.feasible]
-    own = answer(problem)
+    own = answer(problem) if own is None else own
+    fitting_there = [fitting(v) for v in views]
     missed = [
-        _told(start, top)
-        for start, top in zip(own.feasible, own.peaks)
-        if not any(_covers(problem, v, start) or same(problem, v.motion, top.motion) for v in views)
+        _told(start)
+        for start in own.feasible
+        if not any(
+            same(problem, v.motion, start.motion)
+            or start.fitting <= fits
+            or same(problem, v.motion, start.peak)
+            for v, fits in zip(views, fitting_there)
+        )
     ]
     invented = [f"invented {p}" for p, v in zip(placements, views) if not v.feasible]
     # Placements that the grid of yaws passed over count once they are seen to be feasible.
-    pooled = distinct(problem, [*(c.view for c in own.candidates), *sound])
-    truth = judge(problem, pooled, Regions(problem))
+    pooled = distinct(problem, [*own.candidates, *weighed(problem, views)])
+    truth = judge(problem, pooled, own.outside, own.mirrored)
     reported = [_placement(s) for s in told["solutions"]]
     unlike = _unlike(problem, truth, reported)
     errors = _errors(problem, truth, told)
@@ -105,15 +116,6 @@ def _placement(solution: Mapping[str, Any]) -> Placement:
     return Placement(**{k: float(solution["transform"][k]) for k in ("x", "y", "z", "yaw")})
 
 
-def _covers(problem: Problem, listed: View, start: View) -> bool:
-    """Whether a candidate is the same as a feasible placement, or all walls that fit there fit."""
-    return same(problem, listed.motion, start.motion) or _fitting(start) <= _fitting(listed)
-
-
-def _fitting(seen: View) -> set[tuple[int, int, int, int | None]]:
-    return {(p.r, p.a, w.i, w.j) for p in seen.pairs for w in p.planes if w.fits}
-
-
 def _unlike(problem: Problem, truth: Answer, reported: Sequence[Placement]) -> list[str]:
     """Solutions that have no partner, but for those whose weight is at the limit."""
     there = [motion_of(problem, p) for p in reported]
@@ -124,15 +126,15 @@ def _unlike(problem: Problem, truth: Answer, reported: Sequence[Placement]) -> l
         return abs(_log(candidate.probability) - _log(limit)) > WEIGHT_TOLERANCE
 
     lost = [
-        f"solution not told: {_spot(s.view)} p={s.probability:.3g}"
+        f"solution not told: {_spot(s.motion)} p={s.probability:.3g}"
         for s in truth.solutions
-        if clear(s) and not any(same(problem, s.view.motion, m) for m in there)
+        if clear(s) and not any(same(problem, s.motion, m) for m in there)
     ]
     near = [c for c in truth.candidates if c.probability >= limit or not clear(c)]
     more = [
         f"told and no solution: {m}"
         for m in there
-        if not any(same(problem, c.view.motion, m) for c in near)
+        if not any(same(problem, c.motion, m) for c in near)
     ]
     return lost + more
 
@@ -142,9 +144,9 @@ def _errors(problem: Problem, truth: Answer, told: Mapping[str, Any]) -> list[tu
     pairs = [(truth.probability_outside, float(told["probability_outside"]))]
     for solution in told["solutions"]:
         at = motion_of(problem, _placement(solution))
-        ours = [c for c in truth.candidates if same(problem, c.view.motion, at)]
+        ours = [c for c in truth.candidates if same(problem, c.motion, at)]
         if ours:
-            nearest = min(ours, key=lambda c: float(abs(c.view.motion.point - at.point).max()))
+            nearest = min(ours, key=lambda c: float(abs(c.motion.point - at.point).max()))
             pairs.append((nearest.probability, float(solution["probability"])))
     return pairs
 
@@ -153,10 +155,10 @@ def _log(value: float) -> float:
     return math.log(max(value, 1e-300))
 
 
-def _spot(seen: View) -> str:
-    at = seen.motion
+def _spot(at: Motion) -> str:
     return f"yaw {at.yaw:.4f} middle ({at.point[0]:.3f}, {at.point[1]:.3f}) z {at.z:.2f}"
 
 
-def _told(start: View, top: View) -> str:
-    return f"missed {_spot(start)} rooms {len(start.pairs)}, peak {_spot(top)}"
+def _told(start: Start) -> str:
+    rooms = len({r for r, *_ in start.fitting})
+    return f"missed {_spot(start.motion)} rooms {rooms}, peak {_spot(start.peak)}"

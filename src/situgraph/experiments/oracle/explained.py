@@ -93,6 +93,16 @@ def view(problem: Problem, motion: Motion, pairs: Flags, slack: float = SLACK) -
     return View(motion, kept, enough and _fixed(problem, kept))
 
 
+Fitting = tuple[int, int, int, int]  # online room, prior room, their planes
+
+
+def fitting(seen: View) -> frozenset[Fitting]:
+    """The plane pairs that fit."""
+    return frozenset(
+        (p.r, p.a, q.i, q.j) for p in seen.pairs for q in p.planes if q.fits and q.j is not None
+    )
+
+
 Explained = tuple[float, list[int], Array]  # score, counterparts (-1: missing), (angle, offset)
 
 

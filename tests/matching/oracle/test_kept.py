@@ -1,0 +1,58 @@
+"""The brute force's answers, kept and taken up again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from situgraph.experiments import exactness, matching
+from situgraph.experiments.oracle import kept
+from situgraph.experiments.oracle.answer import answer
+from situgraph.experiments.oracle.cases import draw
+from situgraph.experiments.oracle.comparison import compare
+from situgraph.experiments.oracle.definition import Definition
+from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.runner import RunOptions
+
+SMALL = {"layouts": 0, "growth": 0, "oracle_cases": 3, "trials": 0, "beyond": 0, "pairs": 0}
+
+
+@pytest.mark.parametrize("number", [1, 5, 7])
+def test_a_kept_answer_compares_as_a_new_one(number: int) -> None:
+    case = draw(number)
+    prior, sample = case.graphs()
+    problem = Problem(sample.online, prior, case.policy, Definition())
+    text = kept.to_text(answer(problem), sample.online, prior)
+    again = kept.from_text(text, sample.online, prior)
+    assert again is not None
+    assert kept.to_text(again, sample.online, prior) == text
+    assert compare(sample.online, prior, problem, again) == compare(sample.online, prior, problem)
+    # It is no answer about other graphs.
+    assert kept.from_text(text, prior, sample.online) is None
+
+
+def test_the_key_of_the_sources_follows_them(tmp_path: Path) -> None:
+    (tmp_path / "one.py").write_text("a = 1\n")
+    first = kept.sources_key(tmp_path)
+    (tmp_path / "two.py").write_text("a = 1\n")
+    assert kept.sources_key(tmp_path) != first
+    assert kept.sources_key(tmp_path, {"two.py"}) == first
+
+
+def test_a_changed_search_is_held_against_the_answers_that_are_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(exactness, "GRIDS", ())
+    options = RunOptions(folder=tmp_path, extra=SMALL)
+    first = matching.run(options).rows
+    changed = kept.sources_key
+
+    def never(task: object) -> dict[str, object]:
+        raise AssertionError("the brute force was asked again")
+
+    monkeypatch.setattr(exactness, "solve_brute_force", never)
+    monkeypatch.setattr(kept, "sources_key", lambda *a: changed(*a)[::-1])
+    again = matching.run(options).rows
+    assert [r["search"] for r in again] != [r["search"] for r in first]
+    assert [{**r, "search": ""} for r in again] == [{**r, "search": ""} for r in first]
