@@ -11,7 +11,7 @@ import numpy as np
 from situgraph.matching.boxes import SIDES
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
-from situgraph.matching.hypotheses import fits_somewhere, measure
+from situgraph.matching.hypotheses import fits_somewhere
 from situgraph.matching.peaks import feasible, raised
 from situgraph.matching.records import (
     WORD,
@@ -154,7 +154,7 @@ def _case(
         (Tally, ((seen.planes, 8), seen.planes)),
         (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
         (Groups, (rooms + 2, rooms, rooms, rooms)),
-        (Found, ((peaks, 4), 5, rooms, *boxes, (rooms, prior // 64 + 1), (rooms, 2), (prior, 2))),
+        (Found, ((peaks, 4), 5, rooms, *boxes, (rooms, prior // 64 + 1), (2, 4))),
         (View, view),
         (View, view),
     ]
@@ -218,7 +218,6 @@ def _shapes_alike(case):
     They are counted for rooms of more than two planes; of the others none is excluded.
     """
     seen, plan, alike, like = case.seen, case.plan, case.found.alike, case.found.like
-    measure(case)
     for r in range(len(seen.storey)):
         few = seen.first[r + 1] - seen.first[r] < 3
         for a in range(len(plan.storey)):

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from situgraph.matching.assignment import assign_planes
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import plane_allowed
+from situgraph.matching.plain import COS, SIN, may_plain, plain_pair
 from situgraph.matching.tables import CUT, FIT, MISSING, MOVED, WORK
 
 SLACK = 1e-9  # equality at a limit
@@ -65,6 +66,10 @@ def may_explain(case, r, a, yaw, x, y, slack):
     seen, plan, limits = case.seen, case.plan, case.limits
     missing = 0
     case.found.count[WORK] += plan.first[a + 1] - plan.first[a]
+    if plain_pair(case, r, a):
+        c, s = plan.plain[a, COS], plan.plain[a, SIN]
+        along, across = give(slack, c, s), give(slack, -s, c)
+        return may_plain(case, r, a, yaw, slack.turn, x, y, along, across)
     first_fit = 0.0
     fits, crossed = 0, False
     begin, end = seen.first[r], seen.first[r + 1]

@@ -23,6 +23,7 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.explained import SLACK, explain, may_explain, no_slack, wrapped
+from situgraph.matching.plain import BASE, COS, CX, CY, HIGH, LOW, QUARTER, SIN, plain_alike, plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import WORK
 
@@ -66,6 +67,34 @@ def pair_box(case, i, k, j, m, wx, wy, reach, box):
 
 
 @part
+def turned_box(case, r, a, quarter, box):
+    """The yaws of plain room ``r``, turned by so many quarters onto ``a``, and the axes."""
+    seen, plan = case.seen, case.plan.plain
+    low, high = seen.plain[r, LOW], seen.plain[r, HIGH]
+    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
+    turn = plan[a, BASE] - seen.plain[r, BASE] + quarter * QUARTER
+    box[YAW], box[TURN] = wrapped(turn + (low + high) / 2), (high - low) / 2
+    ux, uy = plan[a, COS], plan[a, SIN]
+    for _ in range(quarter):
+        ux, uy = -uy, ux
+    box[UX], box[UY] = ux, uy
+
+
+@part
+def placed_box(case, a, m, box):
+    """Places number ``m`` of 4 that ``plain_places`` found, into a turned box; False if none."""
+    plan, along = case.plan.plain, case.found.along
+    one, two = along[0], along[1]
+    i, k = m & 2, (m & 1) << 1
+    if one[i + 1] < 0 or two[k + 1] < 0:
+        return False
+    box[HU], box[HV] = one[i + 1], two[k + 1]
+    box[PX] = plan[a, CX] + one[i] * box[UX] - two[k] * box[UY]
+    box[PY] = plan[a, CY] + one[i] * box[UY] + two[k] * box[UX]
+    return True
+
+
+@part
 def pairs_of(case, r):
     """How many pairs of planes of ``r`` have to be tried, and within which reach of their own.
 
@@ -93,10 +122,9 @@ def pair_of(case, r, c):
 @part
 def fits_somewhere(case, r, a):
     """Whether ``a`` explains ``r`` in isolation, at any placement."""
-    seen, plan, found = case.seen, case.plan, case.found
-    both = found.size_seen[r, 0] < math.inf and found.size_planned[a, 0] < math.inf
-    if both and len(case.content.row_need) == 0:
-        return _alike_rectangles(case, found.size_seen[r], found.size_planned[a])
+    seen, plan = case.seen, case.plan
+    if len(case.content.row_need) == 0 and plain_pair(case, r, a):
+        return plain_alike(case, r, a)
     box = scratch(SIDES)
     pairs, reach = pairs_of(case, r)
     for c in range(pairs):
@@ -112,67 +140,6 @@ def fits_somewhere(case, r, a):
                 ):
                     return True
     return False
-
-
-@part
-def _alike_rectangles(case, one, two):
-    """Whether a rectangle explains another; sizes (2,) of both.
-
-    One plane of each direction can always be made to fit, and one of the other two may be missing.
-    So a width that agrees, within what a plane that fits and one that is moved allow, is enough.
-    """
-    most = case.limits.fit + case.limits.moved + 2 * SLACK
-    if min(abs(one[0] - two[0]), abs(one[1] - two[0])) <= most:
-        return True
-    return min(abs(one[0] - two[1]), abs(one[1] - two[1])) <= most
-
-
-@part
-def measure(case):
-    """Find the sizes of all rooms that are rectangles, online ones and the plan's."""
-    seen, plan, found = case.seen, case.plan, case.found
-    angle, offset = scratch(4), scratch(4)
-    for r in range(len(seen.storey)):
-        found.size_seen[r, 0] = math.inf
-        if seen.first[r + 1] - seen.first[r] == 4:
-            for k in range(4):
-                angle[k] = seen.angle[seen.first[r] + k]
-                offset[k] = seen.distance[seen.first[r] + k]
-            _size(angle, offset, case.limits.angle / 2, found.size_seen[r])
-    for a in range(len(plan.storey)):
-        found.size_planned[a, 0] = math.inf
-        if plan.first[a + 1] - plan.first[a] == 4:
-            for k in range(4):
-                angle[k] = plan.row[plan.first[a] + k, 3]
-                offset[k] = plan.row[plan.first[a] + k, 2]
-            _size(angle, offset, 1e-9, found.size_planned[a])
-
-
-@part
-def _size(angle, offset, spread, out):
-    """Into ``out`` (2,) how far opposite planes of a rectangle are apart, if it is one."""
-    one, others = _opposite(angle, spread)
-    if one >= 0:
-        out[0] = offset[0] + offset[one]
-        out[1] = offset[others // 4] + offset[others % 4]
-
-
-@part
-def _opposite(angle, spread):
-    """Of four directions, the one opposite the first, and the other two as ``4 * k + m``.
-
-    (-1, -1) when they are not those of a rectangle, within ``spread``.
-    """
-    for one in range(1, 4):
-        k = 1 if one > 1 else 2
-        m = 6 - one - k
-        if (
-            abs(wrapped(angle[one] - angle[0] - math.pi)) <= spread
-            and abs(wrapped(angle[m] - angle[k] - math.pi)) <= spread
-            and abs(abs(wrapped(angle[k] - angle[0])) - math.pi / 2) <= spread
-        ):
-            return one, 4 * k + m
-    return -1, -1
 
 
 @part

@@ -19,6 +19,7 @@ from situgraph.matching.corners import (
     corner_table,
     room_for_corners,
 )
+from situgraph.matching.plain import plain_rooms
 from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
 from situgraph.matching.records import slots_of
 from situgraph.matching.semantics import PlannedObjects, planned_objects
@@ -94,7 +95,8 @@ class PlanIndex:
         large = np.flatnonzero(np.diff(first) ** 2 > 2 * MOST_CORNERS)
         lines = _lines(row, room, storey[room], len(self.elevations))
         widest = int(np.diff(first).max(initial=1))
-        made = (first, row, storey, *near, *far, *corners[1:], large, *lines, widest)
+        plain = plain_rooms(first, row[:, 3], distance, self.center)
+        made = (first, row, storey, *near, *far, *corners[1:], large, *lines, plain, widest)
         return Plan(*made, slots_of(Plan, made))  # type: ignore[call-arg]
 
 

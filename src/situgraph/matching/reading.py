@@ -12,6 +12,7 @@ import numpy as np
 from situgraph.errors import InputError
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
+from situgraph.matching.plain import SEEN_COLUMNS, Squaring, square
 from situgraph.matching.records import address, allocated, record_at, slots_of
 from situgraph.matching.tables import Floats, Ints, Limits, Seen, Table
 from situgraph.scenegraph.graph import SceneGraph
@@ -148,6 +149,7 @@ class Drafting(NamedTuple):
     """An online graph's lines, and the table to be made of them."""
 
     seen: Seen
+    squaring: Squaring
     center: Table  # (R, 3)
     kept: Ints  # (N,)
     normal: Table  # (P, 2)
@@ -178,17 +180,20 @@ def seen_table(
     crossings, probes = int((n * (n - 1) // 2).sum()), 3 * rooms
     shapes = (
         (rooms, 2), rooms + 1, rows, rows, rows, 0, rooms, rooms, rooms, rooms, rooms + 1,
-        (crossings, 2), rooms + 1, (probes, 2), (probes, 2), probes,
+        (crossings, 2), rooms + 1, (probes, 2), (probes, 2), probes, (rooms, SEEN_COLUMNS),
     )  # fmt: skip
     values, block = allocated(Seen, shapes)
     values[1][:], values[3][:] = first, distance
     numbers = int(source.max(initial=-1)) + 1
     (*_, number, share, middle, done), _ = allocated(
-        Drafting, (0, (0, 0), 0, (0, 0), 0, 0, 0.0, 0.0, 0.0, numbers, rows, 2, 3)
+        Drafting, (0, 0, (0, 0), 0, (0, 0), 0, 0, 0.0, 0.0, 0.0, numbers, rows, 2, 3)
     )
     given = (np.ascontiguousarray(centers), kept, np.ascontiguousarray(normal), source, storeys)
     sizes = (limits.sine, limits.moved, limits.angle)
-    draft = slots_of(Drafting, (block, *given, *sizes, number, share, middle, done))
+    squaring = slots_of(
+        Squaring, (values[1], values[2], values[3], limits.angle / 2, limits.angle, values[16])
+    )
+    draft = slots_of(Drafting, (block, squaring, *given, *sizes, number, share, middle, done))
     draw_seen(address(draft))
     planes, probes, crossings = done.tolist()
     values[5] = planes
@@ -227,6 +232,7 @@ def _draw_seen(t):
             _place_probe(t, r, k)
         probes += found
         seen.probe_first[r + 1] = probes
+        square(t.squaring, r)
     t.done[1] = probes
     _shape(t)
     _crossings(t)

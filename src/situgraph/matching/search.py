@@ -28,8 +28,18 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.groups import form_groups
-from situgraph.matching.hypotheses import copy_box, join, pair_box, pair_of, pairs_of, split
+from situgraph.matching.hypotheses import (
+    copy_box,
+    join,
+    pair_box,
+    pair_of,
+    pairs_of,
+    placed_box,
+    split,
+    turned_box,
+)
 from situgraph.matching.peaks import climb, feasible, optimum
+from situgraph.matching.plain import plain_pair, plain_places
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import represented
 from situgraph.matching.tables import BOXES, CUT, PEAKS, TRIED, WORK
@@ -89,6 +99,9 @@ def _hypotheses(case, g, r, a):
     """All placements at which a pair of crossing planes of ``r`` finds ``a``, for group ``g``."""
     seen, plan, found = case.seen, case.plan, case.found
     box = scratch(SIDES)
+    if plain_pair(case, r, a):
+        _plain(case, g, r, a, box)
+        return
     pairs, reach = pairs_of(case, r)
     widest = 2.0 * (case.limits.angle + SLACK) + SLACK
     box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
@@ -119,6 +132,18 @@ def _hypotheses(case, g, r, a):
 
 
 @part
+def _plain(case, g, r, a, box):
+    """The same for plain rooms: at most four boxes for each quarter turn."""
+    for quarter in range(4):
+        if not plain_places(case, r, a, quarter):
+            continue
+        turned_box(case, r, a, quarter, box)
+        for m in range(4):
+            if placed_box(case, a, m, box):
+                _try(case, g, box)
+
+
+@part
 def _gather(case, box, waiting):
     """Put a box to those that wait: into one that it lies beside, or as one more.
 
@@ -135,14 +160,17 @@ def _gather(case, box, waiting):
 @part
 def _try_waiting(case, g, waiting):
     """Search the boxes that wait, but for those in which a partner cannot be explained."""
-    box = scratch(SIDES)
     for k in range(waiting):
-        if _exhausted(case):
-            return
-        copy_box(case.found.waiting[k], box)
-        case.found.count[TRIED] += 1
-        if _partners(case, box, g):
-            explore(case, box)
+        _try(case, g, case.found.waiting[k])
+
+
+@part
+def _try(case, g, box):
+    if _exhausted(case):
+        return
+    case.found.count[TRIED] += 1
+    if _partners(case, box, g):
+        explore(case, box)
 
 
 @part

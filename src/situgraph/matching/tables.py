@@ -69,6 +69,7 @@ class Seen(NamedTuple):
     probe: IntTable  # (K, 2) rows of two planes, the second counter-clockwise of the first
     probe_arm: Table  # (K, 2) where they meet
     probe_reach: Floats  # (K,) how far the prior corner may lie off
+    plain: Table  # (N, 7) rooms of four directions (``plain``)
     slots: Ints  # its block (``records``)
 
 
@@ -93,6 +94,7 @@ class Plan(NamedTuple):
     line_first: Ints  # (B + 1,) each bin's lines, by offset
     line_offset: Floats  # (Q,)
     line_room: Ints  # (Q,)
+    plain: Table  # (M, 11) rooms of four directions (``plain``)
     widest: int  # most planes of one room
     slots: Ints  # its block (``records``)
 
@@ -230,8 +232,7 @@ class Found(NamedTuple):
     stack: Table  # (k, SIDES) boxes to be searched
     waiting: Table  # (k, SIDES) boxes in which an anchor finds one prior room
     like: IntTable  # (N, words) bit a: whether prior room a explains it in isolation
-    size_seen: Table  # (N, 2) of rooms that are rectangles; inf, not set of others
-    size_planned: Table  # (M, 2)
+    along: Table  # (2, 4) where a plain room finds another, along two directions
 
 
 class Case(NamedTuple):

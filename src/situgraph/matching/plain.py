@@ -1,0 +1,195 @@
+"""Plain rooms: at most one plane in each of four directions a quarter turn apart.
+
+Most rooms are rectangles, seen whole or in part. Where a plain room is explained by another, each
+plane has one counterpart at most, the one that faces the same way, and the two directions can be
+looked at one by one: sections 2 and 7 of ``docs/matching.md`` without any assignment.
+
+A row of a table of plain rooms holds the direction of the first plane, the lowest and highest yaw
+against the one that turns first plane onto first plane, and the signed distances of the planes a
+quarter turn after another; of the plan also the cosine and sine of the direction, and the centre.
+"""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from situgraph.matching.compiled import entry, part
+from situgraph.matching.records import address, record_at, slots_of
+from situgraph.matching.tables import Floats, Ints, Table
+
+BASE, LOW, HIGH, SIDE, COS, SIN, CX, CY = 0, 1, 2, 3, 7, 8, 9, 10
+SEEN_COLUMNS, PLAN_COLUMNS = 7, 11
+EXACT = 1e-6  # rad; of a plan's room, that is plain when its planes are as square as this
+QUARTER = math.pi / 2
+JOINED = 0.3  # half width of an interval that is put together of two, at most, metres
+SLACK = 1e-9  # equality at a limit
+
+
+class Squaring(NamedTuple):
+    """Rooms to be looked at, and the table to be made of them."""
+
+    first: Ints  # (M + 1,)
+    angle: Floats  # (Q,) of the planes' normals
+    distance: Floats  # (Q,) of the room's centre
+    spread: float
+    turn: float
+    table: Table  # (M, SEEN_COLUMNS or PLAN_COLUMNS)
+
+
+def plain_rooms(first: Ints, angle: Floats, distance: Floats, center: Floats) -> Floats:
+    """The table of a plan's plain rooms (M, PLAN_COLUMNS); lengths from the origin of ``center``.
+
+    ``first`` (M + 1,), ``angle`` and ``distance`` (Q,), ``center`` (M, 2).
+    """
+    table = np.empty((len(center), PLAN_COLUMNS))
+    angle, distance = (np.ascontiguousarray(v) for v in (angle, distance))
+    block = slots_of(Squaring, (first, angle, distance, EXACT, 0.0, table))
+    draw_plain(address(block))
+    table[:, COS], table[:, SIN] = np.cos(table[:, BASE]), np.sin(table[:, BASE])
+    table[:, CX:] = center
+    return table
+
+
+@entry
+def draw_plain(place):
+    """Fill the table of a ``Squaring``."""
+    t = record_at(place, Squaring)
+    for r in range(len(t.first) - 1):
+        square(t, r)
+
+
+@part
+def square(t, r):
+    """Fill one row, the direction with NaN when the room is not plain.
+
+    ``t`` has the fields of ``Squaring``; directions may be ``spread`` off a quarter turn, and a
+    plane's own direction ``turn`` off its counterpart's.
+    """
+    begin, end = t.first[r], t.first[r + 1]
+    row, base = t.table[r], t.angle[begin]
+    low = last = -math.inf
+    high = first = math.inf
+    row[BASE] = math.nan
+    for k in range(4):
+        row[SIDE + k] = math.nan
+    for i in range(begin, end):
+        quarter = round((t.angle[i] - base) / QUARTER)
+        off = base + quarter * QUARTER - t.angle[i]
+        k = quarter & 3
+        if abs(off) > t.spread or not math.isnan(row[SIDE + k]):
+            return
+        row[SIDE + k] = t.distance[i]
+        low, last = max(low, min(last, off)), max(last, off)
+        high, first = min(high, max(first, off)), min(first, off)
+    both = (math.isnan(row[SIDE]) and math.isnan(row[SIDE + 2])) or (
+        math.isnan(row[SIDE + 1]) and math.isnan(row[SIDE + 3])
+    )
+    if both:  # all planes are parallel
+        return
+    if end - begin < 3:  # none can be missing
+        low, high = last, first
+    row[BASE] = base
+    row[LOW], row[HIGH] = low - t.turn - SLACK, high + t.turn + SLACK
+
+
+@part
+def plain_pair(case, r, a):
+    """Whether both rooms are plain."""
+    return not (math.isnan(case.seen.plain[r, BASE]) or math.isnan(case.plan.plain[a, BASE]))
+
+
+@part
+def plain_alike(case, r, a):
+    """Whether plain room ``a`` explains plain room ``r`` in isolation, at any placement."""
+    where = case.found.along
+    for quarter in range(4):
+        one = _along(case, r, a, 0, quarter, where[0])
+        if one < 0:
+            continue
+        two = _along(case, r, a, 1, quarter, where[1])
+        if two >= 0 and one + two <= (0 if case.seen.strict[r] else 1):
+            return True
+    return False
+
+
+@part
+def _along(case, r, a, k, quarter, out):
+    """Where along one direction planes ``k`` and ``k + 2`` of ``r`` let its centre lie.
+
+    Turned by so many quarters, along the normal that plane ``k`` then has, from the centre of
+    ``a``. Into ``out`` go two places, one at a plane that fits; equal when one plane decides.
+    Returns how many planes are missing then, -1 when there is no such place.
+    """
+    seen, plan, limits = case.seen.plain, case.plan.plain, case.limits
+    m = (k + quarter) & 3
+    one = seen[r, SIDE + k] - plan[a, SIDE + m]
+    two = plan[a, SIDE + (m ^ 2)] - seen[r, SIDE + k + 2]
+    if math.isnan(one) or math.isnan(two):
+        # Of the planes that were seen, one has no counterpart.
+        lost = not math.isnan(seen[r, SIDE + k]) and not math.isnan(seen[r, SIDE + k + 2])
+        if math.isnan(one) and math.isnan(two):
+            return -1
+        out[0] = out[1] = two if math.isnan(one) else one
+        return 1 if lost else 0
+    out[0], out[1] = one, two
+    return 0 if abs(one - two) <= limits.fit + limits.moved + 2 * SLACK else 1
+
+
+@part
+def plain_places(case, r, a, quarter):
+    """Where ``a`` can explain ``r``, turned by so many quarters; False when it cannot.
+
+    Into ``found.along``, for each of two directions: the middle and half width of an interval from
+    the centre of ``a``, and of a second one, whose half width is negative when there is only one.
+    """
+    limits, lost = case.limits, 0
+    for k in range(2):
+        out = case.found.along[k]
+        missing = _along(case, r, a, k, quarter, out)
+        if missing < 0:
+            return False
+        lost += missing
+        one, two = out[0], out[1]
+        half = limits.fit + SLACK + EXACT * (abs(one) + abs(two))
+        out[1], out[2], out[3] = half, two, half
+        apart = abs(one - two) / 2
+        if apart + half <= JOINED:
+            out[0], out[1], out[3] = (one + two) / 2, half + apart, -1.0
+    return lost <= (0 if case.seen.strict[r] else 1)
+
+
+@part
+def may_plain(case, r, a, yaw, turn, x, y, along, across):
+    """A quick necessary test for plain rooms, for the placements of a box.
+
+    They turn by ``yaw`` up to ``turn`` more or less, and take the centre of ``r`` to ``(x, y)``, up
+    to ``along`` and ``across`` the direction of ``a`` more or less.
+    """
+    seen, plan, limits = case.seen.plain, case.plan.plain, case.limits
+    against = yaw - plan[a, BASE] + seen[r, BASE]
+    quarter = round(against / QUARTER)
+    off = against - quarter * QUARTER
+    if off < seen[r, LOW] - turn or off > seen[r, HIGH] + turn:
+        return False
+    dx, dy, c, s = x - plan[a, CX], y - plan[a, CY], plan[a, COS], plan[a, SIN]
+    u, v = c * dx + s * dy, c * dy - s * dx
+    inexact = SLACK + EXACT * (abs(u) + abs(v))
+    lost = 0
+    for k in range(2):
+        m = (k + quarter) & 3
+        t, give = (v, across) if m & 1 else (u, along)
+        if m & 2:
+            t = -t
+        give += inexact
+        one = abs(seen[r, SIDE + k] - plan[a, SIDE + m] - t) - give
+        two = abs(plan[a, SIDE + (m ^ 2)] - seen[r, SIDE + k + 2] - t) - give
+        if not (one <= limits.fit or two <= limits.fit):
+            return False
+        lost += not (one <= limits.moved or math.isnan(seen[r, SIDE + k]))
+        lost += not (two <= limits.moved or math.isnan(seen[r, SIDE + k + 2]))
+    return lost <= 1
