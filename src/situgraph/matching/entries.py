@@ -32,6 +32,7 @@ from situgraph.matching.tables import (
     Finder,
     Floats,
     Found,
+    Ground,
     Groups,
     Ints,
     IntTable,
@@ -145,6 +146,7 @@ def _case(
     columns = prior + rooms
     boxes = ((DEPTH, SIDES), (WAITING, SIDES))
     view = (rooms, rows, rows, rows, rows)
+    words = 4 * rooms * int(plan.cells.prod()) if peaks else 0
     work: list[tuple[Any, Any]] = [
         (Task, (least, storeys)),
         (Finder, (prior, prior, 1)),
@@ -153,8 +155,9 @@ def _case(
         (Pairing, (*[columns] * 7, *[rooms] * 3)),
         (Tally, ((seen.planes, 8), seen.planes)),
         (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
-        (Groups, (rooms + 2, rooms, rooms, rooms)),
+        (Groups, (rooms + 2, *[rooms] * 5, 1)),
         (Found, ((peaks, 4), 5, rooms, *boxes, (rooms, prior // 64 + 1), (2, 4))),
+        (Ground, (words, 1, rooms)),
         (View, view),
         (View, view),
     ]

@@ -9,6 +9,8 @@ and partners near it, which reject most of them at once.
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
+import math
+
 from situgraph.matching.compiled import part
 
 
@@ -64,6 +66,24 @@ def form_groups(case, count):
                 member[k] = r
                 at += 1
     return made
+
+
+@part
+def sort_rooms(case, anchor):
+    """Into ``groups.order`` the rooms that have a map, the nearest to the anchor first."""
+    groups, count = case.groups, 0
+    for r in range(len(groups.order)):
+        if not case.ground.known[r]:
+            continue
+        away, k = math.sqrt(_apart(case, anchor, r)), count
+        while k > 0 and groups.apart[k - 1] > away:
+            groups.apart[k] = groups.apart[k - 1]
+            groups.order[k] = groups.order[k - 1]
+            k -= 1
+        groups.apart[k] = away
+        groups.order[k] = r
+        count += 1
+    groups.told[0] = count
 
 
 @part

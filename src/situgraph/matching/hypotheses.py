@@ -23,7 +23,18 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.explained import SLACK, explain, may_explain, no_slack, wrapped
-from situgraph.matching.plain import BASE, COS, CX, CY, HIGH, LOW, QUARTER, SIN, plain_alike, plain_pair
+from situgraph.matching.plain import (
+    BASE,
+    COS,
+    CX,
+    CY,
+    HIGH,
+    LOW,
+    QUARTER,
+    SIN,
+    plain_alike,
+    plain_pair,
+)
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import WORK
 

@@ -19,6 +19,7 @@ from situgraph.matching.corners import (
     corner_table,
     room_for_corners,
 )
+from situgraph.matching.ground import BITS
 from situgraph.matching.plain import plain_rooms
 from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
 from situgraph.matching.records import slots_of
@@ -26,6 +27,8 @@ from situgraph.matching.semantics import PlannedObjects, planned_objects
 from situgraph.matching.tables import Floats, Ints, Plan
 from situgraph.scenegraph.graph import SceneGraph
 
+MAP_MARGIN = 3.0  # metres around the room centres
+CELLS_A_ROOM, LEAST_CELLS = 64, 4096
 BIN = math.radians(0.25)  # lines whose directions differ less are kept together
 
 
@@ -96,8 +99,34 @@ class PlanIndex:
         lines = _lines(row, room, storey[room], len(self.elevations))
         widest = int(np.diff(first).max(initial=1))
         plain = plain_rooms(first, row[:, 3], distance, self.center)
-        made = (first, row, storey, *near, *far, *corners[1:], large, *lines, plain, widest)
+        made = (
+            first,
+            row,
+            storey,
+            *near,
+            *far,
+            *corners[1:],
+            large,
+            *lines,
+            plain,
+            *cells_of(self.center),
+            widest,
+        )
         return Plan(*made, slots_of(Plan, made))  # type: ignore[call-arg]
+
+
+def cells_of(center: Floats) -> tuple[Ints, Floats]:
+    """A map of cells over the rooms of a plan: ``Plan.cells`` and ``Plan.corner``.
+
+    Cells are a metre wide, wider where the rooms are few and far between.
+    """
+    if not len(center):
+        return np.zeros(2, dtype=np.int64), np.zeros(3)
+    low, high = center.min(axis=0) - MAP_MARGIN, center.max(axis=0) + MAP_MARGIN
+    x, y = (high - low).tolist()
+    cell = max(1.0, math.sqrt(x * y / (CELLS_A_ROOM * len(center) + LEAST_CELLS)))
+    wide, tall = math.ceil(x / cell / BITS), math.ceil(y / cell)
+    return np.array([wide, tall], dtype=np.int64), np.array([*low, 1.0 / cell])
 
 
 def _area(centers: Floats, heights: Floats, margin: float) -> float:

@@ -27,7 +27,8 @@ from situgraph.matching.boxes import (
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
-from situgraph.matching.groups import form_groups
+from situgraph.matching.ground import enough, lay, partners_lie
+from situgraph.matching.groups import form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
     copy_box,
     join,
@@ -78,6 +79,7 @@ def search(case):
     seen, plan, spans, task, groups = case.seen, case.plan, case.spans, case.task, case.groups
     rooms = len(seen.storey)
     made = form_groups(case, rooms - task.least + 1)
+    lay(case)
     for g in range(made):
         r = groups.member[groups.first[g]]
         storey = task.storeys[seen.storey[r]]
@@ -87,6 +89,7 @@ def search(case):
             spans.required[groups.member[m]] = 1
         if storey < 0:
             continue
+        sort_rooms(case, r)
         for a in range(len(plan.storey)):
             if plan.storey[a] == storey and may_be(case, r, a) and not _exhausted(case):
                 _hypotheses(case, g, r, a)
@@ -169,7 +172,7 @@ def _try(case, g, box):
     if _exhausted(case):
         return
     case.found.count[TRIED] += 1
-    if _partners(case, box, g):
+    if partners_lie(case, box, g) and _partners(case, box, g) and enough(case, box, g):
         explore(case, box)
 
 

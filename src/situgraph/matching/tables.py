@@ -95,6 +95,8 @@ class Plan(NamedTuple):
     line_offset: Floats  # (Q,)
     line_room: Ints  # (Q,)
     plain: Table  # (M, 11) rooms of four directions (``plain``)
+    cells: Ints  # (2,) of a map of the plan (``ground``): words of 64 cells a row, rows
+    corner: Floats  # (3,) where it begins, x and y in metres, and how many cells a metre has
     widest: int  # most planes of one room
     slots: Ints  # its block (``records``)
 
@@ -221,6 +223,17 @@ class Groups(NamedTuple):
     member: Ints  # (N,)
     group: Ints  # (N,) of each room
     anchor: Ints  # (N,) of each group
+    order: Ints  # (N,) rooms that have a map, the nearest to the present group's anchor first
+    apart: Floats  # (N,) how far they are
+    told: Ints  # (1,) how many they are
+
+
+class Ground(NamedTuple):
+    """Where in the plan each online room may lie (``ground``)."""
+
+    word: Ints  # (N * 4 * rows * words a row,) bits of cells, by room and quarter turn
+    base: Floats  # (1,) yaw of the first quarter
+    known: Ints  # (N,) whether a room has a map
 
 
 class Found(NamedTuple):
@@ -251,5 +264,6 @@ class Case(NamedTuple):
     spans: Spans
     groups: Groups
     found: Found
+    ground: Ground
     one: View
     two: View
