@@ -9,6 +9,7 @@ a plane as one room sees it, and holds those objects on the plane that are in th
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
+from functools import cache
 from itertools import product
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from situgraph.matching.compiled import part
+from situgraph.matching.records import slots_of
 from situgraph.matching.tables import Content, Ints
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -70,18 +72,23 @@ def stock_of(prior: SceneGraph, kept: Ints, first: Ints, source: Ints) -> Stock:
     return Stock(categories, by_room, by_row)
 
 
+@cache
 def no_content() -> Content:
     """Nothing is asked of any pair."""
     nothing = np.zeros((0, 2), dtype=np.int64)
     counts = np.zeros((0, 0), dtype=np.int16)
     first = np.zeros(0, dtype=np.int64)
-    return Content(first, nothing, first, nothing, counts, counts)
+    return _content(first, nothing, first, nothing, counts, counts)
 
 
 def content_of(online: SceneGraph, stock: Stock, kept: Ints, first: Ints, source: Ints) -> Content:
     """What the online rooms and rows must find in the prior; arguments as those of ``stock_of``."""
     by_room, by_row = _counts(online, kept, first, source, stock.categories)
-    return Content(*_needs(by_room), *_needs(by_row), stock.room_have, stock.row_have)
+    return _content(*_needs(by_room), *_needs(by_row), stock.room_have, stock.row_have)
+
+
+def _content(*values: Ints | Counts) -> Content:
+    return Content(*values, slots_of(Content, values))  # type: ignore[call-arg, arg-type]
 
 
 def _counts(

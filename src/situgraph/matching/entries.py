@@ -4,6 +4,7 @@
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -162,7 +163,7 @@ def _case(
         (View, view),
     ]
     room, block, begins = arranged(work)
-    tables = (seen.slots, plan.slots, slots_of(Limits, limits), slots_of(Content, content))
+    tables = (seen.slots, plan.slots, _limits(limits), content.slots)
     start = address(block)
     places = [*map(address, tables), *(start + WORD * k for k in begins)]
     at = begins[FOUND] + layout(Found)["alike"].slot
@@ -170,6 +171,11 @@ def _case(
     kept = {"room": room, "block": block, "tables": tables}
     kept["alike"] = room[first : first + rooms].view(np.int64)
     return np.array(places, dtype=np.int64), kept
+
+
+@cache
+def _limits(limits: Limits) -> Any:
+    return slots_of(Limits, limits)
 
 
 @entry

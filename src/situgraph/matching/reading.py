@@ -13,7 +13,7 @@ from situgraph.errors import InputError
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.plain import SEEN_COLUMNS, Squaring, square
-from situgraph.matching.records import address, allocated, record_at, slots_of
+from situgraph.matching.records import address, allocated, layout, record_at, slots_of
 from situgraph.matching.tables import Floats, Ints, Limits, Seen, Table
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -199,7 +199,9 @@ def seen_table(
     values[5] = planes
     values[11] = values[11][:crossings]
     values[13:16] = (v[:probes] for v in values[13:16])
-    return Seen(*values, slots_of(Seen, values)), middle  # type: ignore[call-arg]
+    block = block.copy()
+    block[layout(Seen)["planes"].slot] = planes
+    return Seen(*values, block), middle  # type: ignore[call-arg]
 
 
 @entry

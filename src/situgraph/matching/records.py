@@ -113,14 +113,13 @@ def slots_of(declared: Any, values: Any) -> Any:
     A record within is given by its own block.
     """
     flat: list[float] = []
-    for value, field in zip(values, layout(declared).values()):
-        if isinstance(field.kind, Vector):
-            flat.append(address(value))
-            flat.extend(value.shape)
-        elif isinstance(field.kind, Record):
-            flat.append(address(value))
-        else:
+    for value, ndim in zip(values, _dimensions(declared)):
+        if ndim == 0:
             flat.append(value)
+            continue
+        flat.append(address(value))
+        if ndim > 0:
+            flat.extend(value.shape)
     return np.frombuffer(struct.pack(_format(declared), *flat), dtype=np.int64)
 
 
@@ -135,20 +134,19 @@ def allocated(declared: Any, shapes: Any) -> tuple[Any, Any]:
     ``shapes`` go field by field; a number for one dimension, or for a number the number itself.
     Only for elements of 8 bytes.
     """
-    fields = layout(declared).values()
-    sizes = [_words(f, shape) for f, shape in zip(fields, shapes)]
+    dims = _dimensions(declared)
+    sizes = [_words(ndim, shape) for ndim, shape in zip(dims, shapes)]
     words = np.zeros(sum(sizes))
+    whole = words.view(np.int64)
     start, at, flat, values = address(words), 0, [], []
-    for field, shape, size in zip(fields, shapes, sizes):
-        if not isinstance(field.kind, Vector):
+    for ndim, whole_numbers, shape, size in zip(dims, _whole(declared), shapes, sizes):
+        if ndim <= 0:
             flat.append(shape)
             values.append(shape)
             continue
-        made = words[at : at + size]
-        if field.kind.dtype is types.int64:
-            made = made.view(np.int64)
+        made = (whole if whole_numbers else words)[at : at + size]
         flat.append(start + WORD * at)
-        if field.kind.ndim == 2:
+        if ndim == 2:
             flat.extend(shape)
             made = made.reshape(shape)
         else:
@@ -158,17 +156,24 @@ def allocated(declared: Any, shapes: Any) -> tuple[Any, Any]:
     return values, np.frombuffer(struct.pack(_format(declared), *flat), dtype=np.int64)
 
 
-def _words(field: Field, shape: Any) -> int:
-    if not isinstance(field.kind, Vector):
+def _words(ndim: int, shape: Any) -> int:
+    if ndim <= 0:
         return 0
-    return int(shape[0] * shape[1] if field.kind.ndim == 2 else shape)
+    return int(shape[0] * shape[1] if ndim == 2 else shape)
 
 
 @cache
 def _dimensions(declared: Any) -> tuple[int, ...]:
-    """Of each field, 0 for a number."""
+    """Of each field, 0 for a number and -1 for a record."""
+    kinds = [f.kind for f in layout(declared).values()]
+    return tuple(getattr(kind, "ndim", -isinstance(kind, Record)) for kind in kinds)
+
+
+@cache
+def _whole(declared: Any) -> tuple[bool, ...]:
+    """Whether each field is an array of whole numbers."""
     kinds = (f.kind for f in layout(declared).values())
-    return tuple(kind.ndim if isinstance(kind, Vector) else 0 for kind in kinds)
+    return tuple(getattr(kind, "dtype", None) is types.int64 for kind in kinds)
 
 
 def arranged(records: Any) -> tuple[Any, Any, list[int]]:
@@ -181,7 +186,7 @@ def arranged(records: Any) -> tuple[Any, Any, list[int]]:
     for declared, shapes in records:
         begins.append(len(flat))
         for ndim, shape in zip(_dimensions(declared), shapes):
-            if ndim == 0:
+            if ndim <= 0:
                 flat.append(shape)
                 continue
             arrays.append(len(flat))

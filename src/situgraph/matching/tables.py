@@ -113,6 +113,7 @@ class Content(NamedTuple):
     row_need: IntTable  # (k, 2)
     room_have: CountTable  # (M, C)
     row_have: CountTable  # (Q, C)
+    slots: Ints  # its block (``records``)
 
 
 class Task(NamedTuple):
