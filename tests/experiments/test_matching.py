@@ -10,7 +10,15 @@ from situgraph.experiments import certificate, exactness, matching, paper_figure
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import RunOptions
 
-SMALL = {"layouts": 1, "growth": 1, "oracle_cases": 4, "trials": 6, "beyond": 4, "pairs": 7}
+SMALL = {
+    "layouts": 1,
+    "growth": 1,
+    "oracle_cases": 4,
+    "trials": 6,
+    "beyond": 4,
+    "pairs": 7,
+    "share": 5,
+}
 SYMMETRIES = {"none", "local", "global"}
 SEMANTICS = {"none", "containment", "likelihood"}
 
@@ -45,6 +53,13 @@ def test_summary_has_the_promised_keys(result: ExperimentResult) -> None:
 def test_no_trial_that_the_model_covers_is_wrongly_unique(result: ExperimentResult) -> None:
     assert result.summary["trials_covered"]["wrong"] == 0
     assert result.summary["trials_covered"]["trials"] > 0
+
+
+def test_half_of_an_asymmetric_plan_is_told_from_all_else(result: ExperimentResult) -> None:
+    summary = result.summary
+    assert summary["unique_6x12_cases"] == 20
+    assert summary["unique_6x12_wrong"] == 0
+    assert all(share >= 0.8 for by in summary["unique_6x12"].values() for share in by.values())
 
 
 def test_objects_help_and_do_not_hurt(result: ExperimentResult) -> None:

@@ -126,6 +126,33 @@ def solve_cross(task: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def share_tasks(seed: int, cases: int) -> Iterator[dict[str, Any]]:
+    """Six of twelve rooms, in layouts without symmetry: how many must end unique?"""
+    for kind in ("random", "modular"):
+        for number in range(cases):
+            for semantics in ("none", "likelihood"):
+                yield {"part": "share", "kind": kind, "semantics": semantics, "seed": seed + number}
+
+
+def solve_share(task: Mapping[str, Any]) -> dict[str, Any]:
+    """One building and a robot that has seen half of it."""
+    building = make_layout(task["kind"], 12, task["seed"])
+    sample = sample_online(building, 6, task["seed"], COVERED)
+    result = match(sample.online, PlanIndex(building), semantics=task["semantics"])
+    return {**task, "outcome": Judge(sample, building, task["semantics"]).outcome(result)}
+
+
+def summarise_share(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """The share of right and unique answers, by kind and semantics."""
+    share: dict[str, dict[str, float]] = {}
+    for kind, semantics in sorted({(r["kind"], r["semantics"]) for r in rows}):
+        mine = [r for r in rows if (r["kind"], r["semantics"]) == (kind, semantics)]
+        right = sum(r["outcome"] == "right" for r in mine)
+        share.setdefault(kind, {})[semantics] = right / len(mine)
+    wrong = sum(r["outcome"] == "wrong" for r in rows)
+    return {"unique_6x12": share, "unique_6x12_wrong": wrong, "unique_6x12_cases": len(rows)}
+
+
 def congruent(sample: OnlineSample, building: SceneGraph, index: PlanIndex) -> bool:
     """Whether the walls that were seen, as planned and without error, are part of the plan."""
     exact = _as_planned(sample, building)

@@ -18,6 +18,7 @@ SIZES = {
     "trials": (2_000, 20_000),
     "beyond": (1_000, 10_000),
     "pairs": (200, 200),
+    "share": (100, 500),
 }
 SOLVERS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {
     "figure": paper_figure.solve_figure,
@@ -27,6 +28,7 @@ SOLVERS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {
     "trial": certificate.solve_trial,
     "foreign": certificate.solve_cross,
     "mirrored": certificate.solve_cross,
+    "share": certificate.solve_share,
 }
 SUMMARIES: Mapping[str, Callable[[list[dict[str, Any]]], dict[str, Any]]] = {
     "figure": paper_figure.summarise_figure,
@@ -36,13 +38,15 @@ SUMMARIES: Mapping[str, Callable[[list[dict[str, Any]]], dict[str, Any]]] = {
     "trial": certificate.summarise_trials,
     "foreign": certificate.summarise_cross,
     "mirrored": certificate.summarise_cross,
+    "share": certificate.summarise_share,
 }
 
 
 def run(options: RunOptions) -> ExperimentResult:
     """Compute it; with a folder also draw the figures.
 
-    Extra parameters: ``layouts``, ``growth``, ``oracle_cases``, ``trials``, ``beyond``, ``pairs``.
+    Extra parameters: ``layouts``, ``growth``, ``oracle_cases``, ``trials``, ``beyond``, ``pairs``,
+    ``share``.
     """
     size = {
         name: int(options.extra.get(name, sizes[options.full])) for name, sizes in SIZES.items()
@@ -57,6 +61,7 @@ def run(options: RunOptions) -> ExperimentResult:
         *certificate.trial_tasks(seed, size["trials"], "covered"),
         *certificate.trial_tasks(seed, size["beyond"], "beyond"),
         *certificate.cross_tasks(seed, size["pairs"]),
+        *certificate.share_tasks(seed, size["share"]),
     ]
     experiment = Experiment("matching", tasks, solve, summarise, seed, revision=2)
     result = run_experiment(experiment, options)
