@@ -15,7 +15,7 @@ from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.experiments.runner import RunOptions
 
-SMALL = {"layouts": 0, "growth": 0, "oracle_cases": 3, "trials": 0, "beyond": 0, "pairs": 0}
+SMALL = dict.fromkeys(matching.SIZES, 0) | {"oracle_cases": 3}
 
 
 @pytest.mark.parametrize("number", [1, 5, 7])
