@@ -18,6 +18,7 @@ from situgraph.matching.views import copy_view, evidence, fixes, look, tally_pla
 ROUNDS = 30
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
+ARRIVED = 1e-6  # metres and radians from the optimum
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 
 
@@ -143,12 +144,12 @@ def raised(case, at, height):
     goal, tried = scratch(3), scratch(3)
     better = True
     while better:
-        better = False
+        better, free = False, _arrived(case, at, goal)
         # Letting a plane go gains at most what all planes that fit pay for their residuals.
         strained = _strain(case) > limits.fit_peak - limits.moved_base - _most_spared(case)
         for i in range(len(view.state)):
             state = view.state[i]
-            if state != MOVED and (state != FIT or not strained):
+            if state != MOVED and (state != FIT or (free and not strained)):
                 continue
             view.state[i] = FIT if state == MOVED else MOVED
             optimum(case, case.one, at, goal)
@@ -156,17 +157,26 @@ def raised(case, at, height):
             _part_way(goal, goal, 0.0, 0.0, tried)
             if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
                 continue
-            if _same(case):
+            # From where a limit stopped the climb, another way may lead on.
+            if free and _same(case):
                 continue
             copy_view(case.two, case.one)
             value = climb(case, tried)
             if value > height + LEAST_GAIN:
                 height = value
                 _part_way(tried, tried, 0.0, 0.0, at)
-                better = True
+                better, free = True, _arrived(case, at, goal)
             else:
                 feasible(case, case.one, at)
     return height
+
+
+@part
+def _arrived(case, at, goal):
+    """Whether the peak is the optimum of its correspondences: no limit stopped the climb to it."""
+    optimum(case, case.one, at, goal)
+    turn = abs(wrapped(goal[0] - at[0]))
+    return max(turn, abs(goal[1] - at[1]), abs(goal[2] - at[2])) < ARRIVED
 
 
 @part

@@ -1,18 +1,40 @@
-"""Cases in which the matcher once missed a placement that the brute force found."""
+"""Cases in which matcher and brute force once differed."""
 
 from __future__ import annotations
 
 import pytest
 
 from situgraph.experiments.oracle.cases import draw
-from situgraph.experiments.oracle.comparison import compare
+from situgraph.experiments.oracle.comparison import Comparison, compare
 from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.problem import Problem
 
 
-@pytest.mark.parametrize("number", [68])  # two peaks near each other, one box that led to one
-def test_nothing_is_missed(number: int) -> None:
+def compared(number: int) -> Comparison:
     case = draw(number)
     prior, sample = case.graphs()
     problem = Problem(sample.online, prior, case.policy, Definition())
-    assert compare(sample.online, prior, problem).missed == 0
+    return compare(sample.online, prior, problem)
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        68,  # two peaks near each other, one box that led to one
+    ],
+)
+def test_nothing_is_missed(number: int) -> None:
+    assert compared(number).missed == 0
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        622,  # a limit had stopped the climb to the second solution
+        1011,  # the same
+    ],
+)
+def test_the_verdicts_are_the_same(number: int) -> None:
+    found = compared(number)
+    assert found.verdict == found.reported_verdict
+    assert not found.unlike
