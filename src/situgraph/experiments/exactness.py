@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from situgraph import matching
-from situgraph.experiments.oracle import kept
-from situgraph.experiments.oracle.answer import answer
+from situgraph.experiments.oracle import comparison, kept
+from situgraph.experiments.oracle.answer import search
 from situgraph.experiments.oracle.cases import Case, draw
 from situgraph.experiments.oracle.comparison import compare
 from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.grids import grid, placements
 from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.oracle.verdict import judge
 from situgraph.geometry.poses import Placement
 from situgraph.matching import MatchingConfig, PlanIndex, match
 from situgraph.scenegraph.graph import SceneGraph
@@ -42,19 +44,23 @@ def brute_force_tasks(seed: int, cases: int) -> Iterator[dict[str, Any]]:
 
 
 def solve_brute_force(task: Mapping[str, Any]) -> dict[str, Any]:
-    """The brute force's answer to one case, as text."""
+    """What the brute force finds in one case, as text."""
     online, problem = _problem(draw(task["number"]))
-    return {**task, "answer": kept.to_text(answer(problem), online, problem.prior)}
+    found = search(problem)
+    judged = judge(problem, found.candidates, found.outside)
+    found = replace(found, mirrored=judged.mirrored)
+    return {**task, "answer": kept.to_text(found, online, problem.prior)}
 
 
 def oracle_tasks(answers: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """The cases that the brute force answered, for the search as it is now."""
-    search = kept.sources_key(Path(matching.__file__).parent)
+    """The cases that the brute force answered, for search and comparison as they are now."""
+    sources = [*Path(matching.__file__).parent.glob("*.py"), Path(comparison.__file__)]
+    key = kept.sources_key(sources)
     for row in answers:
         yield {
             "part": "oracle",
             "number": row["number"],
-            "search": search,
+            "search": key,
             "answer": row["answer"],
         }
 

@@ -7,12 +7,13 @@ import math
 import msgspec
 import pytest
 
-from situgraph.experiments.oracle.answer import answer, explained_at
+from situgraph.experiments.oracle.answer import explained_at
 from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.explained import FIT, MISSING, MOVED, pair_up
 from situgraph.experiments.oracle.grids import grid
 from situgraph.experiments.oracle.likelihood import evidence, plan_area, wall_evidence
 from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.oracle.verdict import answer
 from situgraph.experiments.oracle.wall_lines import tied
 from situgraph.geometry.poses import Placement
 from situgraph.matching import PlanIndex, match

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from situgraph.experiments.oracle.answer import answer
 from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.grids import grid, placements
 from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.oracle.verdict import answer
 from situgraph.geometry.poses import Placement
 from situgraph.scenegraph.transform import transformed
 

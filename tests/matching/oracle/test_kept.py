@@ -8,7 +8,7 @@ import pytest
 
 from situgraph.experiments import exactness, matching
 from situgraph.experiments.oracle import kept
-from situgraph.experiments.oracle.answer import answer
+from situgraph.experiments.oracle.answer import search
 from situgraph.experiments.oracle.cases import draw
 from situgraph.experiments.oracle.comparison import compare
 from situgraph.experiments.oracle.definition import Definition
@@ -23,7 +23,7 @@ def test_a_kept_answer_compares_as_a_new_one(number: int) -> None:
     case = draw(number)
     prior, sample = case.graphs()
     problem = Problem(sample.online, prior, case.policy, Definition())
-    text = kept.to_text(answer(problem), sample.online, prior)
+    text = kept.to_text(search(problem), sample.online, prior)
     again = kept.from_text(text, sample.online, prior)
     assert again is not None
     assert kept.to_text(again, sample.online, prior) == text
@@ -33,11 +33,13 @@ def test_a_kept_answer_compares_as_a_new_one(number: int) -> None:
 
 
 def test_the_key_of_the_sources_follows_them(tmp_path: Path) -> None:
-    (tmp_path / "one.py").write_text("a = 1\n")
-    first = kept.sources_key(tmp_path)
-    (tmp_path / "two.py").write_text("a = 1\n")
-    assert kept.sources_key(tmp_path) != first
-    assert kept.sources_key(tmp_path, {"two.py"}) == first
+    one, two = tmp_path / "one.py", tmp_path / "two.py"
+    one.write_text("a = 1\n")
+    two.write_text("a = 1\n")
+    first = kept.sources_key([one])
+    assert kept.sources_key([one, two]) == kept.sources_key([two, one]) != first
+    one.write_text("a = 2\n")
+    assert kept.sources_key([one]) != first
 
 
 def test_a_changed_search_is_held_against_the_answers_that_are_there(

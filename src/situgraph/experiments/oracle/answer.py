@@ -1,12 +1,11 @@
-"""Candidates, weights, solutions and the verdict."""
+"""Everything that can be found in a plan: feasible placements, candidates and their L."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import msgspec
 import numpy as np
 
 from situgraph.experiments.oracle.explained import Fitting, Motion, View, fitting, view
@@ -14,7 +13,6 @@ from situgraph.experiments.oracle.likelihood import (
     evidence,
     log_weight,
     log_weight_outside,
-    most_evidence,
 )
 from situgraph.experiments.oracle.peaks import beside, highest, peak
 from situgraph.experiments.oracle.problem import Flags, Problem
@@ -45,23 +43,20 @@ class Start:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
-    """Everything the definition says about a pair of graphs; candidates best first.
+class Found:
+    """What there is in the plan, not judged yet; candidates best first.
 
     ``outside`` and ``mirrored`` are the ln W of these hypotheses, the second None when not asked.
     """
 
     candidates: tuple[Candidate, ...]
-    solutions: tuple[Candidate, ...]
-    verdict: str
-    probability_outside: float
+    feasible: tuple[Start, ...]
     outside: float
     mirrored: float | None = None
-    feasible: tuple[Start, ...] = ()
 
 
-def answer(problem: Problem) -> Answer:
-    """The definition's answer."""
+def search(problem: Problem) -> Found:
+    """All feasible placements up to their correspondences, and the candidates."""
     regions = Regions(problem)
     starts: list[Start] = []
     climbed: dict[tuple[object, ...], View] = {}
@@ -79,7 +74,7 @@ def answer(problem: Problem) -> Answer:
                 tops.append(climbed[key])
     candidates = _raised(problem, _complete(problem, [*climbed.values()]))
     outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
-    return replace(judge(problem, candidates, outside), feasible=tuple(starts))
+    return Found(tuple(candidates), tuple(starts), outside)
 
 
 def _complete(problem: Problem, peaks: list[View]) -> list[View]:
@@ -141,51 +136,10 @@ def _rank(candidate: Candidate) -> tuple[float, ...]:
     return (-round(candidate.evidence, 9), at.z, at.yaw, *at.point.tolist())
 
 
-def judge(
-    problem: Problem, candidates: list[Candidate], outside: float, mirrored: float | None = None
-) -> Answer:
-    """Probabilities, solutions and the verdict; ``mirrored`` is worked out when it is asked.
-
-    Whether the plan is mirrored is asked only of what would be unique, and not of a graph that the
-    best candidate explains so well that its mirror image could not do so by a factor more.
-    """
-    judged = _judged(problem, candidates, outside)
-    if judged.verdict != "unique" or problem.policy == "containment":
-        return judged
-    c, best = problem.constants, judged.candidates[0]
-    gain = most_evidence(problem) - best.evidence
-    odds = c.mirror_prior / (1 - c.outside_prior) / (1 / c.unique_probability - 1)
-    if c.mirror_prior <= 0 or gain + math.log(odds) <= 0:
-        return judged
-    if mirrored is None:
-        mirrored = log_weight_mirrored(problem)
-    judged = _judged(problem, candidates, float(np.logaddexp(outside, mirrored)))
-    return replace(judged, outside=outside, mirrored=mirrored)
-
-
-def _judged(problem: Problem, candidates: list[Candidate], outside: float) -> Answer:
-    c = problem.constants
-    weights = [log_weight(problem, k.evidence) for k in candidates]
-    total = float(np.logaddexp.reduce([*weights, outside]))
-    shared = tuple(replace(k, probability=math.exp(w - total)) for k, w in zip(candidates, weights))
-    inside = float(np.logaddexp.reduce(weights)) if weights else -math.inf
-    solutions: tuple[Candidate, ...] = ()
-    verdict = "none"
-    if outside <= inside:
-        least = max(weights) + (math.log(c.rival_ratio) if c.rival_ratio > 0 else -math.inf)
-        solutions = tuple(k for k, w in zip(shared, weights) if w >= least)
-        # The paper's filter knows nothing of what lies outside the plan.
-        among = inside if problem.policy == "containment" else total
-        sure = len(solutions) == 1 and math.exp(weights[0] - among) >= c.unique_probability
-        verdict = "unique" if sure else "ambiguous"
-    return Answer(shared, solutions, verdict, math.exp(outside - total), outside)
-
-
 def log_weight_mirrored(problem: Problem) -> float:
     """Ln W of 'the plan is mirrored': the best place of the mirror image of the online graph."""
     c = problem.constants
-    constants = msgspec.structs.replace(c, mirror_prior=0.0)
-    image = answer(Problem(mirrored(problem.online), problem.prior, problem.policy, constants))
+    image = search(Problem(mirrored(problem.online), problem.prior, problem.policy, c))
     if not image.candidates:
         return -math.inf
     best = log_weight(problem, image.candidates[0].evidence)

@@ -9,19 +9,21 @@ from typing import Any
 import msgspec
 
 from situgraph.experiments.oracle.answer import (
-    Answer,
     Candidate,
+    Found,
     Start,
-    answer,
     distinct,
     explained_at,
-    judge,
     motion_of,
     same,
+    search,
+    storeys,
     weighed,
 )
-from situgraph.experiments.oracle.explained import Motion, fitting
+from situgraph.experiments.oracle.explained import Motion, fitting, view
+from situgraph.experiments.oracle.peaks import highest
 from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.oracle.verdict import Answer, judge
 from situgraph.geometry.poses import Placement
 from situgraph.matching import PlanIndex, match
 from situgraph.matching.config import MatchingConfig
@@ -35,10 +37,10 @@ WEIGHT_TOLERANCE = 0.05  # nats
 class Comparison(msgspec.Struct, frozen=True):
     """What differs; all counts are zero and all lists empty when both agree.
 
-    ``missed``: feasible placements of the brute force that are not the same as a reported
-    candidate and whose peak is not either. ``invented``: reported candidates that are not
-    feasible. ``unlike``: solutions of one that are not the same as a solution of the other.
-    ``probability_error``: the largest difference of a solution's probability.
+    ``missed``: feasible placements of the brute force that no reported candidate represents.
+    ``invented``: reported candidates that are not feasible. ``unlike``: solutions of one that are
+    not the same as a solution of the other. ``probability_error``: the largest difference of a
+    solution's probability.
     """
 
     feasible: int
@@ -65,7 +67,7 @@ class Comparison(msgspec.Struct, frozen=True):
 
 
 def compare(
-    online: SceneGraph, prior: SceneGraph, problem: Problem, own: Answer | None = None
+    online: SceneGraph, prior: SceneGraph, problem: Problem, own: Found | None = None
 ) -> Comparison:
     """Match with the defaults and with all candidates listed, and compare with the definition.
 
@@ -77,7 +79,7 @@ def compare(
     told = match(online, index, semantics=problem.policy).to_dict()
     placements = [_placement(s) for s in listed["solutions"]]
     views = [explained_at(problem, p, ROUNDING) for p in placements]
-    own = answer(problem) if own is None else own
+    own = search(problem) if own is None else own
     fitting_there = [fitting(v) for v in views]
     missed = [
         _told(start)
@@ -88,6 +90,7 @@ def compare(
             or same(problem, v.motion, start.peak)
             for v, fits in zip(views, fitting_there)
         )
+        and not any(same(problem, v.motion, _highest(problem, start.peak)) for v in views)
     ]
     invented = [f"invented {p}" for p, v in zip(placements, views) if not v.feasible]
     # Placements that the grid of yaws passed over count once they are seen to be feasible.
@@ -114,6 +117,12 @@ def compare(
 
 def _placement(solution: Mapping[str, Any]) -> Placement:
     return Placement(**{k: float(solution["transform"][k]) for k in ("x", "y", "z", "yaw")})
+
+
+def _highest(problem: Problem, peak: Motion) -> Motion:
+    """Where a peak leads with planes let go or held; the brute force asks it of hopeful ones."""
+    near = storeys(problem, peak.z)
+    return highest(problem, view(problem, peak, near, ROUNDING), near).motion
 
 
 def _unlike(problem: Problem, truth: Answer, reported: Sequence[Placement]) -> list[str]:

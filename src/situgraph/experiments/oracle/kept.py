@@ -1,23 +1,26 @@
-"""The brute force's answers as text: they hold until the definition changes, and are dear.
+"""What the brute force found, as text: it holds until the definition changes, and is dear.
 
-An answer is kept under ``sources()``, so whatever is changed in the brute force or its definition
-asks for it anew, and with a key of the two graphs, so that it is not taken for another case's.
+It is kept under ``sources()``, so whatever is changed in the brute force or its definition asks for
+it anew, and with a key of the two graphs, so that it is not taken for another case's. The verdict
+is no part of it: that is judged again each time.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
+from collections.abc import Iterable
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
-from situgraph.experiments.oracle.answer import Answer, Candidate, Start
+from situgraph.experiments.oracle.answer import Candidate, Found, Start
 from situgraph.experiments.oracle.explained import Fitting, Motion
 from situgraph.scenegraph.graph import SceneGraph
 
-NO_PART = {"__init__.py", "cases.py", "comparison.py", "grids.py", "kept.py"}  # of an answer
+# Of no account for what is kept.
+NO_PART = ("__init__.py", "cases.py", "comparison.py", "grids.py", "kept.py", "verdict.py")
 
 
 class _Place(msgspec.Struct, frozen=True, array_like=True):
@@ -35,14 +38,11 @@ class _Start(msgspec.Struct, frozen=True, array_like=True):
     peak: int
 
 
-class _Answer(msgspec.Struct, frozen=True):
+class _Found(msgspec.Struct, frozen=True):
     graphs: str
-    verdict: str
-    probability_outside: float
     outside: float
     mirrored: float | None
-    solutions: int
-    candidates: list[tuple[_Place, float, float]]
+    candidates: list[tuple[_Place, float]]
     peaks: list[_Place]
     feasible: list[_Start]
 
@@ -50,20 +50,19 @@ class _Answer(msgspec.Struct, frozen=True):
 @functools.cache
 def sources() -> str:
     """A key that changes with the sources of the brute force and its definition."""
-    return sources_key(Path(__file__).parent, NO_PART)
+    return sources_key(p for p in Path(__file__).parent.glob("*.py") if p.name not in NO_PART)
 
 
-def sources_key(folder: Path, left_out: frozenset[str] | set[str] = frozenset()) -> str:
-    """A key that changes with the Python sources of a folder, but for those left out."""
+def sources_key(paths: Iterable[Path]) -> str:
+    """A key that changes with the names and the content of files."""
     digest = hashlib.sha256()
-    for path in sorted(folder.glob("*.py")):
-        if path.name not in left_out:
-            digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    for path in sorted(paths):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def to_text(answer: Answer, online: SceneGraph, prior: SceneGraph) -> str:
-    """The answer as JSON."""
+def to_text(found: Found, online: SceneGraph, prior: SceneGraph) -> str:
+    """What was found as JSON."""
     numbers: dict[_Place, int] = {}
     starts = [
         _Start(
@@ -71,40 +70,33 @@ def to_text(answer: Answer, online: SceneGraph, prior: SceneGraph) -> str:
             _grouped(start.fitting),
             numbers.setdefault(_place(start.peak), len(numbers)),
         )
-        for start in answer.feasible
+        for start in found.feasible
     ]
-    kept = _Answer(
+    kept = _Found(
         graphs=_key(online, prior),
-        verdict=answer.verdict,
-        probability_outside=answer.probability_outside,
-        outside=answer.outside,
-        mirrored=answer.mirrored,
-        solutions=len(answer.solutions),
-        candidates=[(_place(k.motion), k.evidence, k.probability) for k in answer.candidates],
+        outside=found.outside,
+        mirrored=found.mirrored,
+        candidates=[(_place(k.motion), k.evidence) for k in found.candidates],
         peaks=list(numbers),
         feasible=starts,
     )
     return msgspec.json.encode(kept).decode()
 
 
-def from_text(text: str, online: SceneGraph, prior: SceneGraph) -> Answer | None:
-    """The answer that was kept, None when it is one about other graphs."""
-    kept = msgspec.json.decode(text, type=_Answer)
+def from_text(text: str, online: SceneGraph, prior: SceneGraph) -> Found | None:
+    """What was kept, None when it is about other graphs."""
+    kept = msgspec.json.decode(text, type=_Found)
     if kept.graphs != _key(online, prior):
         return None
-    candidates = tuple(Candidate(_motion(place), *rest) for place, *rest in kept.candidates)
     peaks = [_motion(place) for place in kept.peaks]
-    return Answer(
-        candidates=candidates,
-        solutions=candidates[: kept.solutions],
-        verdict=kept.verdict,
-        probability_outside=kept.probability_outside,
-        outside=kept.outside,
-        mirrored=kept.mirrored,
+    return Found(
+        candidates=tuple(Candidate(_motion(place), height) for place, height in kept.candidates),
         feasible=tuple(
             Start(_motion(start.place), _ungrouped(start.fitting), peaks[start.peak])
             for start in kept.feasible
         ),
+        outside=kept.outside,
+        mirrored=kept.mirrored,
     )
 
 
