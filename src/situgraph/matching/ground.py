@@ -227,7 +227,7 @@ def _lost(case, box, r, quarter, c, s, farthest):
     """Whether room ``r``, up to ``farthest`` from the box's anchor, can be explained nowhere."""
     seen = case.seen
     gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
-    if not case.ground.known[r] or gx * gx + gy * gy > farthest * farthest:
+    if not case.ground.known[r] or math.sqrt(gx * gx + gy * gy) > farthest:
         return False
     x, y = box[PX] + c * gx - s * gy, box[PY] + s * gx + c * gy
     return not _lies(case, r, quarter, x, y)

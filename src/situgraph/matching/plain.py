@@ -94,7 +94,7 @@ def square(t, r):
     if end - begin < 3:  # none can be missing
         low, high = last, first
     row[BASE] = base
-    row[LOW], row[HIGH] = low - t.turn - SLACK, high + t.turn + SLACK
+    row[LOW], row[HIGH] = low - t.turn - SLACK - EXACT, high + t.turn + SLACK + EXACT
 
 
 @part
