@@ -4,7 +4,7 @@
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -173,7 +173,7 @@ def _case(
     return np.array(places, dtype=np.int64), kept
 
 
-@cache
+@lru_cache(maxsize=16)
 def _limits(limits: Limits) -> Any:
     return slots_of(Limits, limits)
 

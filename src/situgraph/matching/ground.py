@@ -27,9 +27,9 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import SLACK, wrapped
-from situgraph.matching.hypotheses import pair_box, placed_box, turned_box
-from situgraph.matching.plain import QUARTER, plain_pair, plain_places
+from situgraph.matching.explained import SLACK
+from situgraph.matching.hypotheses import next_pair_box, next_plain_box
+from situgraph.matching.plain import QUARTER, plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import WORK
 
@@ -75,12 +75,10 @@ def _tells(case, r):
 @part
 def _enter_plain(case, r, a):
     box = scratch(SIDES)
-    for quarter in range(4):
-        if plain_places(case, r, a, quarter):
-            turned_box(case, r, a, quarter, box)
-            for m in range(4):
-                if placed_box(case, a, m, box):
-                    _mark(case, r, box)
+    at = next_plain_box(case, r, a, 0, box)
+    while at >= 0:
+        _mark(case, r, box)
+        at = next_plain_box(case, r, a, at, box)
 
 
 @part
@@ -88,20 +86,14 @@ def _enter(case, r, a):
     """By the room's probes: the planes of one have counterparts, moved or not."""
     seen, plan, limits = case.seen, case.plan, case.limits
     box = scratch(SIDES)
-    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
     reach = limits.fit if seen.strict[r] else limits.moved
-    widest = 2.0 * (limits.angle + SLACK) + SLACK
     for c in range(seen.probe_first[r], seen.probe_first[r + 1]):
         i, k = seen.probe[c, 0], seen.probe[c, 1]
         case.found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
-        turn = seen.angle[k] - seen.angle[i]
-        for j in range(plan.first[a], plan.first[a + 1]):
-            for m in range(plan.first[a], plan.first[a + 1]):
-                bent = wrapped(plan.row[m, 3] - plan.row[j, 3] - turn)
-                if m == j or abs(bent) > widest:
-                    continue
-                if pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
-                    _mark(case, r, box)
+        at = next_pair_box(case, r, i, k, a, 0, reach, box)
+        while at >= 0:
+            _mark(case, r, box)
+            at = next_pair_box(case, r, i, k, a, at, reach, box)
 
 
 @part

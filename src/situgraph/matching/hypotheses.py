@@ -34,6 +34,7 @@ from situgraph.matching.plain import (
     SIN,
     plain_alike,
     plain_pair,
+    plain_places,
 )
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import WORK
@@ -78,7 +79,48 @@ def pair_box(case, i, k, j, m, wx, wy, reach, box):
 
 
 @part
-def turned_box(case, r, a, quarter, box):
+def next_pair_box(case, r, i, k, a, at, reach, box):
+    """The next ``pair_box`` of planes ``i`` and ``k`` of ``r`` with two planes of ``a``.
+
+    From number ``at`` on; returns the number to go on from, -1 when there is none. The box must be
+    anchored at ``r``.
+    """
+    seen, plan = case.seen, case.plan
+    begin, n = plan.first[a], plan.first[a + 1] - plan.first[a]
+    turn = seen.angle[k] - seen.angle[i]
+    widest = 2.0 * (case.limits.angle + SLACK) + SLACK
+    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
+    while at < n * n:
+        j, m = begin + at // n, begin + at % n
+        at += 1
+        if m == j or abs(wrapped(plan.row[m, 3] - plan.row[j, 3] - turn)) > widest:
+            continue
+        if pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
+            return at
+    return -1
+
+
+@part
+def next_plain_box(case, r, a, at, box):
+    """The next box in which plain room ``a`` may explain plain room ``r``, of at most 16.
+
+    From number ``at`` on; returns the number to go on from, -1 when there is none. What stands in
+    the box must stay between the calls.
+    """
+    while at < 16:
+        if at & 3 == 0:
+            if not plain_places(case, r, a, at >> 2):
+                at += 4
+                continue
+            _turned_box(case, r, a, at >> 2, box)
+        at += 1
+        if _placed_box(case, a, (at - 1) & 3, box):
+            return at
+    return -1
+
+
+@part
+def _turned_box(case, r, a, quarter, box):
     """The yaws of plain room ``r``, turned by so many quarters onto ``a``, and the axes."""
     seen, plan = case.seen, case.plan.plain
     low, high = seen.plain[r, LOW], seen.plain[r, HIGH]
@@ -92,7 +134,7 @@ def turned_box(case, r, a, quarter, box):
 
 
 @part
-def placed_box(case, a, m, box):
+def _placed_box(case, a, m, box):
     """Places number ``m`` of 4 that ``plain_places`` found, into a turned box; False if none."""
     plan, along = case.plan.plain, case.found.along
     one, two = along[0], along[1]
@@ -133,23 +175,20 @@ def pair_of(case, r, c):
 @part
 def fits_somewhere(case, r, a):
     """Whether ``a`` explains ``r`` in isolation, at any placement."""
-    seen, plan = case.seen, case.plan
     if len(case.content.row_need) == 0 and plain_pair(case, r, a):
         return plain_alike(case, r, a)
     box = scratch(SIDES)
     pairs, reach = pairs_of(case, r)
     for c in range(pairs):
         i, k = pair_of(case, r, c)
-        for j in range(plan.first[a], plan.first[a + 1]):
-            for m in range(plan.first[a], plan.first[a + 1]):
-                box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
-                if m == j or not pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
-                    continue
-                slack = slack_of(box, 0.0, 0.0)
-                if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack) and _explained_in(
-                    case, r, a, box
-                ):
-                    return True
+        at = next_pair_box(case, r, i, k, a, 0, reach, box)
+        while at >= 0:
+            slack = slack_of(box, 0.0, 0.0)
+            if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack) and _explained_in(
+                case, r, a, box
+            ):
+                return True
+            at = next_pair_box(case, r, i, k, a, at, reach, box)
     return False
 
 

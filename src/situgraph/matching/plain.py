@@ -106,13 +106,8 @@ def plain_pair(case, r, a):
 @part
 def plain_alike(case, r, a):
     """Whether plain room ``a`` explains plain room ``r`` in isolation, at any placement."""
-    where = case.found.along
-    for quarter in range(4):
-        one = _along(case, r, a, 0, quarter, where[0])
-        if one < 0:
-            continue
-        two = _along(case, r, a, 1, quarter, where[1])
-        if two >= 0 and one + two <= (0 if case.seen.strict[r] else 1):
+    for quarter in range(4):  # noqa: SIM110
+        if plain_places(case, r, a, quarter):
             return True
     return False
 

@@ -26,21 +26,21 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import SLACK, give, may_explain, wrapped
+from situgraph.matching.explained import give, may_explain, wrapped
 from situgraph.matching.ground import enough, lay, partners_lie
 from situgraph.matching.groups import form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
     copy_box,
     join,
+    next_pair_box,
+    next_plain_box,
     pair_box,
     pair_of,
     pairs_of,
-    placed_box,
     split,
-    turned_box,
 )
 from situgraph.matching.peaks import climb, feasible, optimum
-from situgraph.matching.plain import plain_pair, plain_places
+from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import represented
 from situgraph.matching.tables import BOXES, CUT, PEAKS, TRIED, WORK
@@ -100,50 +100,38 @@ def search(case):
 @part
 def _hypotheses(case, g, r, a):
     """All placements at which a pair of crossing planes of ``r`` finds ``a``, for group ``g``."""
-    seen, plan, found = case.seen, case.plan, case.found
+    plan, found = case.plan, case.found
     box = scratch(SIDES)
     if plain_pair(case, r, a):
         _plain(case, g, r, a, box)
         return
     pairs, reach = pairs_of(case, r)
-    widest = 2.0 * (case.limits.angle + SLACK) + SLACK
-    box[AX], box[AY] = seen.center[r, 0], seen.center[r, 1]
     waiting = 0
     for c in range(pairs):
         if _exhausted(case):
             return
         i, k = pair_of(case, r, c)
         found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
-        turn = seen.angle[k] - seen.angle[i]
-        for j in range(plan.first[a], plan.first[a + 1]):
-            for m in range(plan.first[a], plan.first[a + 1]):
-                bent = wrapped(plan.row[m, 3] - plan.row[j, 3] - turn)
-                if m == j or abs(bent) > widest:
-                    continue
-                if not pair_box(case, i, k, j, m, 0.0, 0.0, reach, box):
-                    continue
-                slack = slack_of(box, 0.0, 0.0)
-                if not may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
-                    continue
-                if reach > case.limits.fit and not narrow(case, box, r, a):
-                    continue
+        at = next_pair_box(case, r, i, k, a, 0, reach, box)
+        while at >= 0:
+            slack = slack_of(box, 0.0, 0.0)
+            may = may_explain(case, r, a, box[YAW], box[PX], box[PY], slack)
+            if may and (reach <= case.limits.fit or narrow(case, box, r, a)):
                 if waiting == len(found.waiting):
                     _try_waiting(case, g, waiting)
                     waiting = 0
                 waiting = _gather(case, box, waiting)
+            at = next_pair_box(case, r, i, k, a, at, reach, box)
     _try_waiting(case, g, waiting)
 
 
 @part
 def _plain(case, g, r, a, box):
     """The same for plain rooms: at most four boxes for each quarter turn."""
-    for quarter in range(4):
-        if not plain_places(case, r, a, quarter):
-            continue
-        turned_box(case, r, a, quarter, box)
-        for m in range(4):
-            if placed_box(case, a, m, box):
-                _try(case, g, box)
+    at = next_plain_box(case, r, a, 0, box)
+    while at >= 0:
+        _try(case, g, box)
+        at = next_plain_box(case, r, a, at, box)
 
 
 @part
