@@ -23,8 +23,11 @@ Real = TypeVar("Real", float, Array)
 
 
 def compiled(function: F) -> F:
-    """Compile when first called, and keep the result."""
-    made: F = numba.njit(cache=True)(function)
+    """Compile when first called, and keep the result where a folder can be written."""
+    try:
+        made: F = numba.njit(cache=True)(function)
+    except RuntimeError:  # numba has no place for it
+        made = numba.njit(function)
     return made
 
 
