@@ -14,6 +14,7 @@ from situgraph.setting import setting
 
 _DESIGN = "DESIGN section 1"
 _MODEL = "docs/matching.md section 4"
+_OBJECTS = "docs/matching.md section 6"
 _DETECTOR = "paper, Table II, with a margin"
 
 _Share = Annotated[float, msgspec.Meta(ge=0, le=1)]
@@ -36,6 +37,16 @@ class ObjectRates(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     wrong_wall: Annotated[
         float, setting("A detection is tied to a wrong wall", "1", _MODEL, gt=0, lt=1)
     ] = 0.05
+    wrong_join: Annotated[
+        float,
+        setting(
+            "A detection is tied to a room that its object is not in", "1", _OBJECTS, gt=0, lt=1
+        ),
+    ] = 0.05
+    half_seen: Annotated[
+        float,
+        setting("A door between two rooms is tied to one of them only", "1", _OBJECTS, gt=0, lt=1),
+    ] = 0.1
 
 
 class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -135,6 +146,16 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     object_tail_radius: Annotated[
         float, setting("How far the centre of such a part may lie off", "m", _MODEL, gt=0)
     ] = 1.0
+    object_shared: Annotated[
+        float,
+        setting(
+            "Share of the variance of its place that an object has in common with its wall",
+            "1",
+            _OBJECTS,
+            ge=0,
+            lt=1,
+        ),
+    ] = 0.5
     clutter_area: Annotated[
         float,
         setting("An object that is in no plan lies anywhere in this area", "m2", _MODEL, gt=0),

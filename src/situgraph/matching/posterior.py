@@ -9,9 +9,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.compiled import entry, kernel
+from situgraph.matching.compiled import entry
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.explained import wrapped
+from situgraph.matching.grouping import join
 from situgraph.matching.tables import Floats, Ints, Seen
 
 Verdict = Literal["unique", "ambiguous", "none"]
@@ -72,7 +73,7 @@ def ties(first, angle, distance, center, turn, near, thick):
             room[i] = r
             for k in range(first[r], i):
                 if abs(c[i] * s[k] - s[i] * c[k]) <= least:
-                    _join(group, i, k)
+                    join(group, i, k)
     count = 0
     for i in range(rows):
         for k in range(i):
@@ -87,20 +88,9 @@ def ties(first, angle, distance, center, turn, near, thick):
                 tied = abs(one - two) <= near
             else:
                 tied = -near <= -(one + two) <= thick
-            if tied and _join(group, i, k):
+            if tied and join(group, i, k):
                 count += 1
     return count
-
-
-@kernel
-def _join(group, i, k):
-    """Put the groups of ``i`` and ``k`` together; whether they were two."""
-    while group[i] != i:
-        i = group[i]
-    while group[k] != k:
-        k = group[k]
-    group[max(i, k)] = min(i, k)
-    return i != k
 
 
 def log_outside(alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfig) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.sightings import Planned, Rates, Sighted
 from situgraph.matching.tables import Floats, Ints
+from situgraph.matching.wall_errors import most_shared
 from situgraph.scenegraph.graph import SceneGraph
 
 
@@ -45,16 +46,17 @@ def planned_objects(
     category = np.array([column[o.category] for o in objects], dtype=np.int64)
     counts = np.bincount(category, minlength=len(column))
     place = np.array([o.center[:2] for o in objects]).reshape(-1, 2) - origin
+    homes = [[rooms[r] for r in o.rooms if r in rooms] for o in objects]
     held: list[list[int]] = [[] for _ in kept]
-    for i, item in enumerate(objects):
-        for room in item.rooms:
-            if room in rooms:
-                held[rooms[room]].append(i)
+    for i, mine in enumerate(homes):
+        for a in mine:
+            held[a].append(i)
     table = Planned(
         category,
         place,
         *_packed([planes[p] for p in o.planes if p in planes] for o in objects),
         *_packed(held),
+        *_packed(homes),
     )
     share = np.maximum(config.least_share, counts / max(1, len(objects)))
     return PlannedObjects(tuple(o.id for o in objects), column, share, table)
@@ -99,6 +101,8 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
     rates = [config.rates_of(c) for c in planned.column]
     miss = np.array([r.miss for r in rates])
     wrong = np.array([r.wrong_wall for r in rates])
+    astray = np.array([r.wrong_join for r in rates])
+    half = np.array([r.half_seen for r in rates])
     area, tail = config.clutter_area, config.object_tail_share
     return Rates(
         hit=np.log1p(-miss),
@@ -108,12 +112,16 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
         confusion=np.log([r.confusion for r in rates]),
         same_wall=np.log1p(-wrong),
         other_wall=np.log(wrong),
+        same_join=np.log1p(-astray) + np.log1p(-half),
+        half_join=np.log1p(-astray) + np.log(half),
+        other_join=np.log(astray),
         share=np.log(planned.share),
         half_miss=np.log1p(miss) - math.log(2),
         bell=area * (1 - tail) / (2 * math.pi * config.object_sigma**2),
         sharpness=1 / (2 * config.object_sigma**2),
         disc=area * tail / (math.pi * config.object_tail_radius**2),
         radius=config.object_tail_radius,
+        shared=config.object_shared,
         whole=config.seen_whole,
     )
 
@@ -121,12 +129,14 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
 def most_evidence(seen: SeenObjects, rates: Rates) -> float:
     """An upper bound on the log ratio: every online object at its place and on its wall.
 
-    Prior objects that were missed only lower it.
+    Prior objects that were missed only lower it, and so does a wall whose objects are told apart.
     """
     table = seen.table
     near = math.log(rates.bell + rates.disc) - rates.share
     claim = near + np.maximum(np.maximum(rates.hit, rates.confusion), rates.duplicate)
-    return float(np.maximum(claim, rates.false)[table.category].sum())
+    alone = float(np.maximum(claim, rates.false)[table.category].sum())
+    rows = int(table.row.max(initial=-1)) + 1
+    return alone + float(most_shared(table.row_first, table.row, rows, rates.shared))
 
 
 def _packed(lists: Iterable[list[int]]) -> tuple[Ints, Ints]:

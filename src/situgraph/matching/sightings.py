@@ -16,6 +16,7 @@ import numpy as np
 
 from situgraph.matching.compiled import entry, kernel
 from situgraph.matching.tables import Floats, Ints
+from situgraph.matching.wall_errors import room_for_walls, shared_errors
 
 
 class Planned(NamedTuple):
@@ -27,6 +28,8 @@ class Planned(NamedTuple):
     plane: Ints
     room_first: Ints  # (M + 1,) the objects of each prior room that counts
     item: Ints
+    home_first: Ints  # (m + 1,) the prior rooms that count each is in
+    home: Ints
 
 
 class Sighted(NamedTuple):
@@ -51,12 +54,16 @@ class Rates(NamedTuple):
     confusion: Floats
     same_wall: Floats
     other_wall: Floats
+    same_join: Floats
+    half_join: Floats
+    other_join: Floats
     share: Floats
     half_miss: Floats  # not seen, of a room seen by half
     bell: float  # peak of the density of the place against anywhere
     sharpness: float  # 1 / (2 sigma^2)
     disc: float  # the tail's
     radius: float
+    shared: float  # share of the variance of the place that is common to a wall
     whole: float  # probability that a room was seen whole
 
 
@@ -66,6 +73,7 @@ class Links(NamedTuple):
     first: Ints  # (n + 1,)
     item: Ints  # (k,) prior objects
     gain: Floats  # (k,) over being a second sight or false
+    second: Ints  # (n,) the prior object each is a second sight of, else -1
     claim: Ints  # (n,) the link each object takes, -1 for none
     owner: Ints  # (m,) the online object that claims each prior one, -1 for none
     best: Floats  # (n,) of a chain of exchanges that leaves an object without its claim
@@ -86,17 +94,25 @@ def weigh(sighted, planned, rates, prior_plane, rooms, rows, at, claims):
         np.empty(64, dtype=np.int64),
         np.empty(64),
         np.empty(n, dtype=np.int64),
+        np.empty(n, dtype=np.int64),
         np.full(m, -1, dtype=np.int64),
         np.empty(n),
         np.empty(n, dtype=np.int64),
     )
     tried = np.full(m, -1, dtype=np.int64)
     counted = np.full(m, -1, dtype=np.int64)
+    found = np.full(len(planned.room_first) - 1, -1, dtype=np.int64)
+    walls = room_for_walls(n, rows.shape[1])
     for k in range(len(at)):
+        for a in rooms[k]:
+            if a >= 0:
+                found[a] = k
         total, links = _link(
-            sighted, planned, rates, prior_plane, rooms[k], rows[k], at[k], links, tried, k * n
-        )
+            sighted, planned, rates, prior_plane, rooms[k], rows[k], at[k], links,
+            tried, k * n, found, k,
+        )  # fmt: skip
         total += _assign(links)
+        total += shared_errors(sighted, planned, rates, prior_plane, rows[k], at[k], links, walls)
         total += _missed(planned, rates, rooms[k], links.owner, counted, k)
         for o in range(n):
             link = links.claim[o]
@@ -109,8 +125,11 @@ def weigh(sighted, planned, rates, prior_plane, rooms, rows, at, claims):
 
 
 @kernel
-def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, token):
-    """List the possible claims; the sum if nothing is claimed, and the links, grown if need be."""
+def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, token, found, number):
+    """List the possible claims; the sum if nothing is claimed, and the links, grown if need be.
+
+    Of the prior rooms, those that are matched have ``found`` equal to ``number``.
+    """
     c, s = math.cos(at[0]), math.sin(at[0])
     total, count = 0.0, 0
     for o in range(len(sighted.category)):
@@ -118,6 +137,7 @@ def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, tok
         x = at[1] + c * sighted.place[o, 0] - s * sighted.place[o, 1]
         y = at[2] + s * sighted.place[o, 0] + c * sighted.place[o, 1]
         begin, here, rest = count, False, rates.false[mine]
+        links.second[o] = -1
         for e in range(sighted.room_first[o], sighted.room_first[o + 1]):
             a = room[sighted.room[e]]
             if a < 0:
@@ -135,10 +155,13 @@ def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, tok
                 first = near + rates.confusion[mine]
                 if planned.category[q] == mine:
                     first = near + rates.hit[mine]
-                    rest = max(rest, near + rates.duplicate[mine])
+                    again = near + rates.duplicate[mine]
+                    if again > rest:
+                        rest, links.second[o] = again, q
                 if sighted.hung[o] and planned.plane_first[q + 1] > planned.plane_first[q]:
                     same = _on_one_wall(sighted, planned, prior_plane, row, o, q)
                     first += rates.same_wall[mine] if same else rates.other_wall[mine]
+                first += _joint(sighted, planned, rates, room, o, q, found, number)
                 if count == len(links.item):
                     links = _grown(links)
                 links.item[count] = q
@@ -158,13 +181,40 @@ def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, tok
 
 
 @kernel
+def _joint(sighted, planned, rates, room, o, q, found, number):
+    """What it says that ``o`` and ``q`` join the same matched rooms, or do not."""
+    matched = 0
+    for e in range(planned.home_first[q], planned.home_first[q + 1]):
+        if found[planned.home[e]] == number:
+            matched += 1
+    here, astray = 0, False
+    for e in range(sighted.room_first[o], sighted.room_first[o + 1]):
+        a = room[sighted.room[e]]
+        if a < 0:
+            continue
+        here += 1
+        inside = False
+        for f in range(planned.home_first[q], planned.home_first[q + 1]):
+            inside = inside or planned.home[f] == a
+        astray = astray or not inside
+    mine = sighted.category[o]
+    if max(here, matched) < 2:
+        return 0.0
+    if astray:
+        return rates.other_join[mine]
+    return rates.same_join[mine] if here == matched else rates.half_join[mine]
+
+
+@kernel
 def _grown(links):
     size = len(links.item)
     item, gain = np.empty(2 * size, dtype=np.int64), np.empty(2 * size)
     for e in range(size):
         item[e] = links.item[e]
         gain[e] = links.gain[e]
-    return Links(links.first, item, gain, links.claim, links.owner, links.best, links.via)
+    return Links(
+        links.first, item, gain, links.second, links.claim, links.owner, links.best, links.via
+    )
 
 
 @kernel

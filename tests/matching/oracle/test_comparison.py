@@ -19,7 +19,15 @@ def test_the_definition_and_the_settings_say_the_same() -> None:
     assert len(shared) >= 25
     for name in shared:
         assert getattr(here, name) == pytest.approx(getattr(there, names.get(name, name))), name
-    for rate in ("miss", "false", "duplicate", "confusion", "wrong_wall"):
+    for rate in (
+        "miss",
+        "false",
+        "duplicate",
+        "confusion",
+        "wrong_wall",
+        "wrong_join",
+        "half_seen",
+    ):
         assert getattr(here, rate) == getattr(there.rates, rate)
 
 

@@ -224,6 +224,59 @@ def test_a_rare_category_tells_more_and_one_not_modelled_nothing() -> None:
     assert object_gain(seen, plan) == pytest.approx(gain)
 
 
+def between(rooms: tuple[str, ...], x: float = 4.1) -> SceneGraph:
+    """Two rooms with a door in the wall between them, related to these."""
+    planes = tuple({"r0-0": "e0-0", "r0-1": "w0-1"}[r] for r in rooms)
+    return grid(1, 2).replace(objects=(Object("d", "door", (x, 2.0, 1.0), None, rooms, planes),))
+
+
+@pytest.mark.parametrize(
+    ("seen", "planned", "chance"),
+    [
+        (("r0-0", "r0-1"), ("r0-0", "r0-1"), 0.95 * 0.9),
+        (("r0-1",), ("r0-0", "r0-1"), 0.95 * 0.1),
+        (("r0-0", "r0-1"), ("r0-1",), 0.05),
+        (("r0-0",), ("r0-0",), 1.0),
+    ],
+)
+def test_a_door_joins_the_rooms_its_counterpart_joins(
+    seen: tuple[str, ...], planned: tuple[str, ...], chance: float
+) -> None:
+    gain = math.log(0.92) + math.log(0.95) + near(0.0) + math.log(chance) + unseen(0, 1)
+    assert object_gain(between(seen), between(planned)) == pytest.approx(gain)
+
+
+def test_a_door_to_a_room_that_is_not_matched_joins_nothing() -> None:
+    plan = between(("r0-0", "r0-1"))
+    alone = plan.replace(
+        rooms=plan.rooms[:1],
+        objects=(Object("d", "door", (4.1, 2.0, 1.0), None, ("r0-0",), ("e0-0",)),),
+    )
+    gain = math.log(0.92) + math.log(0.95) + near(0.0) + unseen(0, 1)
+    assert object_gain(alone, plan) == pytest.approx(gain)
+
+
+def test_two_objects_of_a_wall_that_are_off_alike() -> None:
+    plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"), ("door", 3.0, 0.0, "s0-0"))
+    seen = with_objects(grid(1, 1), ("door", 1.1, 0.0, "s0-0"), ("door", 3.1, 0.0, "s0-0"))
+    alone = 2 * (math.log(0.92) + math.log(0.95) + near(0.1)) + unseen(0, 2)
+    # Half their sum and half their difference are independent, of variance 0.75 and 0.25 sigma^2.
+    ratio = 4 / 3 * math.exp(0.02 / (2 * 0.0625) - 0.02 / (2 * 0.09375))
+    bell = 0.9 * math.exp(-0.08) / (2 * math.pi * 0.0625)
+    together = math.log(1 + (bell / (bell + 0.1 / math.pi)) ** 2 * (ratio - 1))
+    assert together == pytest.approx(0.3325, abs=1e-4)
+    assert object_gain(seen, plan) == pytest.approx(alone + together)
+
+
+def test_objects_of_a_wall_that_are_off_unlike_cost_no_more_than_the_tail() -> None:
+    plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"), ("door", 3.0, 0.0, "s0-0"))
+    seen = with_objects(grid(1, 1), ("door", 0.4, 0.0, "s0-0"), ("door", 3.6, 0.0, "s0-0"))
+    alone = 2 * (math.log(0.92) + math.log(0.95) + near(0.6)) + unseen(0, 2)
+    cost = alone - object_gain(seen, plan)
+    bell = 0.9 * math.exp(-2.88) / (2 * math.pi * 0.0625)
+    assert 0 < cost < -math.log(1 - (bell / (bell + 0.1 / math.pi)) ** 2)
+
+
 def test_containment_lets_a_room_with_an_object_too_many_go() -> None:
     plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"))
     twice = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"), ("door", 3.0, 0.0, "s0-0"))

@@ -62,6 +62,9 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     duplicate: float = 0.03
     confusion: float = 0.02
     wrong_wall: float = 0.05
+    wrong_join: float = 0.05
+    half_seen: float = 0.1
+    object_shared: float = 0.5
     seen_whole: float = 0.7
     seen_shares: tuple[float, ...] = (0.0, 0.5)
     miss_by_category: Mapping[str, float] = {}

@@ -11,6 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 from situgraph.experiments.oracle.explained import View
 from situgraph.experiments.oracle.problem import Problem
+from situgraph.experiments.oracle.shared_errors import log_ratio, most_log_ratio, wall_groups
 from situgraph.geometry.poses import Array, rotation2
 from situgraph.scenegraph.graph import Object
 
@@ -51,8 +52,11 @@ def object_evidence(problem: Problem, seen: View) -> float:
         for q in problem.prior.objects
         if q.category in problem.modelled and any(a in matched for a in q.rooms)
     ]
-    total, claimed = _assigned(scene, online, prior)
-    return total + _missed(scene, prior, claimed)
+    total, claims = _assigned(scene, online, prior)
+    sights = {i: _sight_again(scene, o, prior) for i, o in enumerate(online)}
+    sights |= {i: prior[j] for i, j in claims}
+    total += _shared(scene, [(online[i], q) for i, q in sights.items() if q is not None])
+    return total + _missed(scene, prior, {j for _, j in claims})
 
 
 def most_object_evidence(problem: Problem) -> float:
@@ -63,15 +67,17 @@ def most_object_evidence(problem: Problem) -> float:
         c.clutter_area * (peak + c.object_tail_share / math.pi / c.object_tail_radius**2)
     )
     shares = _shares(problem)
-    return sum(
+    bounds = {plane for shape in problem.seen for plane in shape.planes}
+    told = [o for o in problem.online.objects if o.category in problem.modelled]
+    groups = wall_groups({k: bounds & set(o.planes) for k, o in enumerate(told)})
+    return sum(most_log_ratio(len(group), c) for group in groups) + sum(
         max(
             math.log(max(1 - c.miss_of(o.category), c.confusion, c.duplicate_of(o.category)))
             - math.log(shares[o.category])
             + near,
             math.log(c.false_of(o.category)),
         )
-        for o in problem.online.objects
-        if o.category in problem.modelled
+        for o in told
     )
 
 
@@ -91,8 +97,10 @@ def _shares(problem: Problem) -> dict[str, float]:
     return {c: max(floor, counts[c] / everything) for c in problem.modelled}
 
 
-def _assigned(scene: Scene, online: list[Object], prior: list[Object]) -> tuple[float, set[int]]:
-    """The largest sum over online objects, and the prior objects that are claimed.
+def _assigned(
+    scene: Scene, online: list[Object], prior: list[Object]
+) -> tuple[float, list[tuple[int, int]]]:
+    """The largest sum over online objects, and which of them claim which prior objects.
 
     A first sight of a prior object is worth more than a second, so each online object may choose
     freely between a claim of its own and the best of the rest: a second sight, or a false one.
@@ -103,13 +111,13 @@ def _assigned(scene: Scene, online: list[Object], prior: list[Object]) -> tuple[
         for o in online
     ]
     if not online or not prior:
-        return sum(rest), set()
+        return sum(rest), []
     gain = np.array(
         [[max(_first_sight(scene, o, q) - f, 0.0) for q in prior] for o, f in zip(online, rest)]
     )
     rows, columns = linear_sum_assignment(-gain)
-    claims = [(i, j) for i, j in zip(rows, columns) if gain[i, j] > 0]
-    return sum(rest) + sum(float(gain[i, j]) for i, j in claims), {int(j) for _, j in claims}
+    claims = [(int(i), int(j)) for i, j in zip(rows, columns) if gain[i, j] > 0]
+    return sum(rest) + sum(float(gain[i, j]) for i, j in claims), claims
 
 
 def _can_be(scene: Scene, o: Object, q: Object) -> bool:
@@ -125,7 +133,30 @@ def _first_sight(scene: Scene, o: Object, q: Object) -> float:
     if o.planes and q.planes:
         same = any((p, w) in scene.planes for p in o.planes for w in q.planes)
         value += math.log(1 - c.wrong_wall if same else c.wrong_wall)
-    return value
+    return value + math.log(_join(scene, o, q))
+
+
+def _join(scene: Scene, o: Object, q: Object) -> float:
+    """The probability that a sight of ``q`` is in the rooms ``o`` is in, of those that matched."""
+    c = scene.problem.constants
+    mine = {scene.rooms[r] for r in o.rooms if r in scene.rooms}
+    theirs = set(q.rooms) & set(scene.rooms.values())
+    if len(mine | theirs) == 1:
+        return 1.0
+    if mine - theirs:
+        return c.wrong_join
+    return (1 - c.wrong_join) * (1 - c.half_seen if mine == theirs else c.half_seen)
+
+
+def _shared(scene: Scene, sights: list[tuple[Object, Object]]) -> float:
+    """What the objects of one wall say together, beyond what each says alone."""
+    walls = {
+        k: {(p, w) for p in o.planes for w in q.planes if (p, w) in scene.planes}
+        for k, (o, q) in enumerate(sights)
+    }
+    errors = [scene.moved(o.center) - np.array(q.center[:2]) for o, q in sights]
+    constants = scene.problem.constants
+    return sum(log_ratio([errors[k] for k in group], constants) for group in wall_groups(walls))
 
 
 def _second_sight(scene: Scene, o: Object, q: Object) -> float:
@@ -133,6 +164,13 @@ def _second_sight(scene: Scene, o: Object, q: Object) -> float:
         return -math.inf
     rate = scene.problem.constants.duplicate_of(o.category)
     return math.log(rate / scene.shares[o.category]) + _nearness(scene, o, q)
+
+
+def _sight_again(scene: Scene, o: Object, prior: list[Object]) -> Object | None:
+    """What it is a second sight of, if it is no first one; None where it is rather false."""
+    best = max(prior, key=lambda q: _second_sight(scene, o, q), default=None)
+    least = math.log(scene.problem.constants.false_of(o.category))
+    return best if best is not None and _second_sight(scene, o, best) > least else None
 
 
 def _nearness(scene: Scene, o: Object, q: Object) -> float:
