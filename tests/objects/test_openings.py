@@ -60,6 +60,16 @@ def test_neighbours_that_one_frame_ran_together_stay_two() -> None:
     assert np.allclose(sorted(o.center[1] for o in found), (1.1, 2.7), atol=0.06)
 
 
+def test_a_part_that_few_frames_saw_does_not_share_in_the_sightings_of_the_rest() -> None:
+    door, leaf = panel(4.0, 0.6, 1.5), panel(4.0, 2.0, 3.1)
+    hits = np.concatenate([np.full(len(door), 20.0), np.full(len(leaf), 6.0)])
+    found = openings(
+        [Seen(7, "door", np.concatenate([door, leaf]), hits, 20, 20, 16.0)], VIEWS, CONFIG
+    )
+    assert [o.attributes["seen"] for o in found.given] == [20]
+    assert [o.attributes["seen"] for o in found.weak] == [6]
+
+
 def test_of_a_door_and_a_window_in_one_place_the_more_often_seen_stands() -> None:
     door, window = thing(0, panel(4.0, 1.5, 2.4)), thing(1, panel(4.0, 1.5, 2.4), "window", 9)
     (found,) = given([door, window])

@@ -9,7 +9,7 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detection
 from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap, in_walls
-from situgraph.objects.reconcile import reconciled, without_leaves
+from situgraph.objects.reconcile import backed, reconciled, without_leaves
 from situgraph.objects.stage import ObjectStage, View
 from situgraph.scenegraph.graph import Ellipsoid, Object, Plane, SceneGraph
 
@@ -102,6 +102,18 @@ def test_a_door_seen_once_is_one_where_the_robot_passed() -> None:
     path = np.array([[2.0, 2.1, 0.5], [6.0, 2.1, 0.5]])
     (door,) = stage.annotated(two_rooms(), path, [gap]).objects
     assert door.attributes["evidence"] == "vision,trajectory,gap"
+
+
+def test_a_passage_confirms_one_door() -> None:
+    graph = two_rooms()
+    (passage,) = doorways(np.array([[2.0, 2.1, 0.5], [6.0, 2.1, 0.5]]), graph)
+    near, next_to_it = (
+        Object(key, "door", (4.1, y, 1.0), rooms=("a", "b"), planes=("a1", "b0"))
+        for key, y in (("o1", 2.2), ("o2", 2.7))
+    )
+    assert backed([near, next_to_it], [], [passage], graph, ONCE) == [near]
+    assert backed([next_to_it], [near], [passage], graph, ONCE) == []
+    assert backed([near], [next_to_it], [passage], graph, ONCE) == []
 
 
 def test_without_a_camera_doorways_are_still_found() -> None:

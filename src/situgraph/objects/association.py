@@ -93,7 +93,8 @@ def sightings(first: Sighted, second: Sighted) -> tuple[int, float, tuple[int, .
     Its pieces in one frame are one sighting, else they would confirm each other.
     """
     both = first.seen + second.seen
-    seen = both - len(set(first.frames) & set(second.frames))
+    shared = len(set(first.frames) & set(second.frames))
+    seen = max(both - shared, first.seen, second.seen)
     frames = tuple(sorted({*first.frames, *second.frames})[-FRAMES:])
     return seen, (first.score + second.score) * seen / both, frames
 

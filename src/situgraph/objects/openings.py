@@ -166,14 +166,18 @@ def _stretches(
         core = hits >= min(DOOR_HITS, float(hits.max()))
     along, heights, hits = along[core], heights[core], hits[core]
     found = []
-    for part in _parts(along, hits, thing.category, config):
+    parts = _parts(along, hits, thing.category, config)
+    most = max((float(hits[part].max()) for part in parts), default=1.0)
+    for part in parts:
         low, high = np.quantile(along[part], TRIM)
         bottom, top = np.quantile(heights[part], TRIM)
+        # Each part stands on its own sightings: the frames that saw the thing need not show it all.
+        seen = max(1, round(thing.seen * float(hits[part].max()) / most))
         found.append(
             Stretch(
                 thing.category, view, face, float(low), float(high), float(bottom), float(top),
-                float(hits[part].sum()), (thing.number,), thing.seen, thing.expected, thing.score,
-                thing.frames,
+                float(hits[part].sum()), (thing.number,), seen, thing.expected,
+                thing.score * seen / thing.seen, thing.frames,
             )
         )  # fmt: skip
     return found

@@ -106,13 +106,33 @@ def united(door: Object, passage: Object) -> Object:
     )
 
 
-def passed(
-    weak: Object, passages: Sequence[Object], graph: SceneGraph, config: ObjectsConfig
-) -> bool:
-    """Whether the robot passed where a door that the camera saw too seldom should be."""
-    return weak.category == "door" and any(
-        along_wall(weak, p, graph) <= config.doorway_merge for p in passages
-    )
+def backed(
+    weak: Sequence[Object],
+    sure: Sequence[Object],
+    passages: Sequence[Object],
+    graph: SceneGraph,
+    config: ObjectsConfig,
+) -> list[Object]:
+    """Of the doors that the camera saw too seldom those that the robot passed.
+
+    A passage is through one door: a sure one in reach of it, else the nearest of the others.
+    """
+    found: set[str] = set()
+    for passage in passages:
+        if any(_reached(o, passage, graph, config) for o in sure):
+            continue
+        near = [
+            (along_wall(o, passage, graph), o.id)
+            for o in weak
+            if _reached(o, passage, graph, config)
+        ]
+        found.update(key for _, key in sorted(near)[:1])
+    return [o for o in weak if o.id in found]
+
+
+def _reached(door: Object, passage: Object, graph: SceneGraph, config: ObjectsConfig) -> bool:
+    """Whether a passage may be through it."""
+    return door.category == "door" and along_wall(door, passage, graph) <= config.doorway_merge
 
 
 def _as_leaf(door: Object, passage: Object, graph: SceneGraph) -> float:

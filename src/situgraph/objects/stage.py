@@ -16,7 +16,7 @@ from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap, in_walls, supported
 from situgraph.objects.openings import Openings, Seen, openings, stands
-from situgraph.objects.reconcile import passed, reconciled, without_leaves
+from situgraph.objects.reconcile import backed, reconciled, without_leaves
 from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
 from situgraph.scenegraph.graph import Object, SceneGraph
 
@@ -82,9 +82,10 @@ class ObjectStage:
         views = room_views(graph, self.config)
         found, free = self._placed(views, gaps)
         passages = in_walls(doorways(path, graph, self.config), gaps, graph, self.config)
-        weak = [relate(o, views, self.config) for o in found.weak]
-        backed = [o for o in weak if passed(o, passages, graph, self.config)]
-        flat = [relate(o, views, self.config) for o in (*found.given, *backed)]
+        sure, weak = (
+            [relate(o, views, self.config) for o in flat] for flat in (found.given, found.weak)
+        )
+        flat = [*sure, *backed(weak, sure, passages, graph, self.config)]
         # Where no wall was seen there is no opening in it.
         seen = [o for o in flat if o.planes]
         seen += [relate(o, views, self.config, eye) for o, eye in free]
