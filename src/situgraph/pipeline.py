@@ -157,9 +157,9 @@ class Pipeline:
 
     @property
     def warnings(self) -> tuple[Warning, ...]:
-        """What was odd in the input, and why free space is no room; one entry a code or place."""
+        """What was odd in the input, and why free space is no room and what was seen no object."""
         reasons = (Warning(r.code, r.sentence) for r in self.slam.reasons)
-        return (*self.slam.warnings, *self._notices.all(), *reasons)
+        return (*self.slam.warnings, *self._notices.all(), *reasons, *self.objects.left_out)
 
     @property
     def seconds(self) -> dict[str, float]:

@@ -116,6 +116,20 @@ def test_a_passage_confirms_one_door() -> None:
     assert backed([near], [next_to_it], [passage], graph, ONCE) == []
 
 
+def test_an_extinguisher_flat_in_its_wall_is_a_picture_and_said_to_be_left_out() -> None:
+    y, z = (v.ravel() for v in np.meshgrid(np.arange(1.0, 1.2, 0.04), np.arange(0.9, 1.5, 0.04)))
+    for before, there in ((0.02, False), (0.16, True)):
+        stage = ObjectStage(Painted())
+        points = np.stack([np.full(y.size, 4.0 - before), y, z], axis=1)
+        for key in ("k0", "k1"):
+            seen = stage.map.observations({"extinguisher": [(0.9, points)]})
+            stage.map.add(key, np.eye(4), seen, np.array([1.5, 1.5, 0.7]))
+        graph = stage.annotated(two_rooms(), np.zeros((0, 3)))
+        assert len(graph.objects) == there
+        assert [w.code for w in graph.warnings] == ([] if there else ["object-flat"])
+        assert stage.left_out == graph.warnings
+
+
 def test_without_a_camera_doorways_are_still_found() -> None:
     stage = ObjectStage(None)
     assert stage.feed(view("k0", 1.5, 2.0, 0.0)) == 0

@@ -184,6 +184,15 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
             gt=0,
         ),
     ] = 0.3
+    stands_out: Annotated[
+        float,
+        setting(
+            "a radiator, sink or extinguisher nearer to its wall's face is a picture of one",
+            "m",
+            "half of what a flat radiator stands out",
+            ge=0,
+        ),
+    ] = 0.05
     wall_thickness: Annotated[
         float,
         setting("thickest wall whose two faces share a door", "m", "docs/objects.md", gt=0),

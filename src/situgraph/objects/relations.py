@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
 from situgraph.objects.config import ObjectsConfig
-from situgraph.scenegraph.categories import WALL_MOUNTED
+from situgraph.scenegraph.categories import SOLID, WALL_MOUNTED
 from situgraph.scenegraph.graph import Object, Plane, Room, SceneGraph
 
 TWO_SIDED = frozenset({"door", "window"})
@@ -226,6 +226,17 @@ def relate(
     view = views[inside]
     on = _on(item, view, config) if item.category in WALL_MOUNTED else None
     return msgspec.structs.replace(item, rooms=(view.room.id,), planes=(on,) if on else ())
+
+
+def flat(item: Object, graph: SceneGraph, config: ObjectsConfig) -> bool:
+    """Whether a thing that should stand out of its wall lies in the wall's face: a picture of one.
+
+    Its centre is that of the side that was seen. What lies deeper behind the face was placed amiss.
+    """
+    if item.category not in SOLID or not item.planes:
+        return False
+    plane = graph.plane_by_id[item.planes[0]]
+    return abs(float(np.dot(plane.normal, item.center)) + plane.offset) < config.stands_out
 
 
 def _on(item: Object, view: RoomView, config: ObjectsConfig) -> str | None:

@@ -17,12 +17,13 @@ from situgraph.objects.doorways import doorways
 from situgraph.objects.gaps import WallGap, in_walls, supported
 from situgraph.objects.openings import Openings, Seen, openings, stands
 from situgraph.objects.reconcile import backed, reconciled, without_leaves
-from situgraph.objects.relations import TWO_SIDED, RoomView, relate, room_of, room_views
-from situgraph.scenegraph.graph import Object, SceneGraph
+from situgraph.objects.relations import TWO_SIDED, RoomView, flat, relate, room_of, room_views
+from situgraph.scenegraph.graph import Object, SceneGraph, Warning
 
 NEAR = 0.6  # m; what is closer fills the image and is not expected to be recognised
 BORDER = 0.1  # share of the image at its rim where nothing is expected
 BEHIND = 0.4  # m; depth short of an object by more than this hides it
+NAMED = 3  # of the things that are left out for one reason are named in its sentence
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,8 @@ class ObjectStage:
         self.detector = detector
         self.config = config or ObjectsConfig()
         self.map = ObjectMap(self.config)
+        #: What the last graph leaves out although it was seen repeatedly, and why.
+        self.left_out: tuple[Warning, ...] = ()
 
     def feed(self, view: View) -> int:
         """Take in a frame; the number of objects it showed."""
@@ -85,12 +88,22 @@ class ObjectStage:
         sure, weak = (
             [relate(o, views, self.config) for o in flat] for flat in (found.given, found.weak)
         )
-        flat = [*sure, *backed(weak, sure, passages, graph, self.config)]
+        doors = backed(weak, sure, passages, graph, self.config)
         # Where no wall was seen there is no opening in it.
-        seen = [o for o in flat if o.planes]
-        seen += [relate(o, views, self.config, eye) for o, eye in free]
+        seen = [o for o in (*sure, *doors) if o.planes]
+        others = [relate(o, views, self.config, eye) for o, eye in free]
+        painted = [o for o in others if flat(o, graph, self.config)]
+        seen += [o for o in others if o not in painted]
         objects = without_leaves(reconciled(seen, passages, graph, self.config), graph)
-        return graph.replace(objects=supported(objects, gaps, graph, self.config))
+        unsure = [o for o in weak if o not in doors and _seen(o) >= self.config.min_seen]
+        self.left_out = (
+            *_reason("object-unsure", "not seen as often as it should be", unsure),
+            *_reason("object-flat", "flat in its wall, a picture of one", painted),
+        )
+        return graph.replace(
+            objects=supported(objects, gaps, graph, self.config),
+            warnings=(*graph.warnings, *self.left_out),
+        )
 
     def _placed(
         self, views: tuple[RoomView, ...], gaps: Sequence[WallGap]
@@ -143,3 +156,18 @@ class ObjectStage:
             if depth == 0.0 or depth > z - BEHIND:
                 found.append(track)
         return found
+
+
+def _seen(item: Object) -> int:
+    """How many frames saw it."""
+    return int(str(item.attributes.get("seen", 0)))
+
+
+def _reason(code: str, why: str, items: Sequence[Object]) -> tuple[Warning, ...]:
+    """Why these were left out; nothing where there are none."""
+    if not items:
+        return ()
+    named = [f"{o.category} {o.id} (seen {_seen(o)} times)" for o in items[:NAMED]]
+    more = f" and {len(items) - NAMED} more" if len(items) > NAMED else ""
+    ids = tuple(o.id for o in items)
+    return (Warning(code, f"left out, {why}: {', '.join(named)}{more}", ids),)

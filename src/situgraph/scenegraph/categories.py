@@ -15,6 +15,9 @@ WALL_MOUNTED = frozenset(
      "screen", "picture", "mirror", "clock"}
 )  # fmt: skip
 
+# Of these, what stands out of its wall: flat in the wall it is a picture.
+SOLID = frozenset({"radiator", "extinguisher", "sink"})
+
 _IFC = {
     "IfcDoor": "door", "IfcDoorStandardCase": "door", "IfcWindow": "window",
     "IfcWindowStandardCase": "window", "IfcColumn": "column", "IfcColumnStandardCase": "column",
