@@ -18,6 +18,8 @@ from situgraph.matching.compiled import entry, kernel
 from situgraph.matching.tables import Floats, Ints
 from situgraph.matching.wall_errors import room_for_walls, shared_errors
 
+ALONE, SAME, HALF, ASTRAY = range(4)  # how the rooms of a sight and of its object agree
+
 
 class Planned(NamedTuple):
     """The plan's objects; lengths in metres from the index's origin."""
@@ -148,7 +150,8 @@ def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, tok
                 if tried[q] == token + o:
                     continue
                 tried[q] = token + o
-                near = _nearness(rates, x - planned.place[q, 0], y - planned.place[q, 1])
+                dx, dy = x - planned.place[q, 0], y - planned.place[q, 1]
+                near = _nearness(rates.bell, rates.sharpness, rates.disc, rates.radius, dx, dy)
                 if near == -np.inf:
                     continue
                 near -= rates.share[mine]
@@ -159,9 +162,21 @@ def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, tok
                     if again > rest:
                         rest, links.second[o] = again, q
                 if sighted.hung[o] and planned.plane_first[q + 1] > planned.plane_first[q]:
-                    same = _on_one_wall(sighted, planned, prior_plane, row, o, q)
+                    same = _on_one_wall(
+                        sighted.row_first, sighted.row, planned.plane_first, planned.plane,
+                        prior_plane, row, o, q,
+                    )  # fmt: skip
                     first += rates.same_wall[mine] if same else rates.other_wall[mine]
-                first += _joint(sighted, planned, rates, room, o, q, found, number)
+                joint = _joint(
+                    sighted.room_first, sighted.room, planned.home_first, planned.home,
+                    room, o, q, found, number,
+                )  # fmt: skip
+                if joint == SAME:
+                    first += rates.same_join[mine]
+                elif joint == HALF:
+                    first += rates.half_join[mine]
+                elif joint == ASTRAY:
+                    first += rates.other_join[mine]
                 if count == len(links.item):
                     links = _grown(links)
                 links.item[count] = q
@@ -181,28 +196,27 @@ def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, tok
 
 
 @kernel
-def _joint(sighted, planned, rates, room, o, q, found, number):
-    """What it says that ``o`` and ``q`` join the same matched rooms, or do not."""
+def _joint(room_first, rooms, home_first, home, room, o, q, found, number):
+    """Whether ``o`` joins the matched rooms that ``q`` joins; ``ALONE`` where neither joins any."""
     matched = 0
-    for e in range(planned.home_first[q], planned.home_first[q + 1]):
-        if found[planned.home[e]] == number:
+    for e in range(home_first[q], home_first[q + 1]):
+        if found[home[e]] == number:
             matched += 1
     here, astray = 0, False
-    for e in range(sighted.room_first[o], sighted.room_first[o + 1]):
-        a = room[sighted.room[e]]
+    for e in range(room_first[o], room_first[o + 1]):
+        a = room[rooms[e]]
         if a < 0:
             continue
         here += 1
         inside = False
-        for f in range(planned.home_first[q], planned.home_first[q + 1]):
-            inside = inside or planned.home[f] == a
+        for f in range(home_first[q], home_first[q + 1]):
+            inside = inside or home[f] == a
         astray = astray or not inside
-    mine = sighted.category[o]
     if max(here, matched) < 2:
-        return 0.0
+        return ALONE
     if astray:
-        return rates.other_join[mine]
-    return rates.same_join[mine] if here == matched else rates.half_join[mine]
+        return ASTRAY
+    return SAME if here == matched else HALF
 
 
 @kernel
@@ -218,24 +232,24 @@ def _grown(links):
 
 
 @kernel
-def _nearness(rates, x, y):
+def _nearness(bell, sharpness, disc, radius, x, y):
     """Ln of the density of an object's place against anywhere in the clutter area."""
     square = x * x + y * y
-    density = rates.bell * math.exp(-square * rates.sharpness)
-    if square <= rates.radius * rates.radius:
-        density += rates.disc
+    density = bell * math.exp(-square * sharpness)
+    if square <= radius * radius:
+        density += disc
     return math.log(density) if density > 0.0 else -np.inf
 
 
 @kernel
-def _on_one_wall(sighted, planned, prior_plane, row, o, q):
+def _on_one_wall(row_first, rows, plane_first, plane, prior_plane, row, o, q):
     """Whether a plane of ``o`` corresponds to one of ``q``."""
-    for e in range(sighted.row_first[o], sighted.row_first[o + 1]):
-        j = row[sighted.row[e]]
+    for e in range(row_first[o], row_first[o + 1]):
+        j = row[rows[e]]
         if j < 0:
             continue
-        for f in range(planned.plane_first[q], planned.plane_first[q + 1]):
-            if planned.plane[f] == prior_plane[j]:
+        for f in range(plane_first[q], plane_first[q + 1]):
+            if plane[f] == prior_plane[j]:
                 return True
     return False
 

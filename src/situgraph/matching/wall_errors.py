@@ -51,7 +51,9 @@ def shared_errors(sighted, planned, rates, prior_plane, row, at, links, walls):
     _measure(sighted, planned, rates, at, links, walls)
     for o in range(n):
         if walls.wall[o] == o and walls.sums[o, 0] > 1.0:
-            total += _together(rates, walls, o)
+            total += _together(
+                rates.shared, rates.sharpness, walls.wall, walls.off, walls.bell, walls.sums, o
+            )
     return total
 
 
@@ -61,7 +63,7 @@ def _gather(sighted, planned, prior_plane, row, links, walls):
     n, several = len(sighted.category), False
     for o in range(n):
         walls.wall[o] = o
-        q = _sight(links, o)
+        q = _sight(links.claim, links.item, links.second, o)
         if q < 0:
             continue
         for e in range(sighted.row_first[o], sighted.row_first[o + 1]):
@@ -81,9 +83,9 @@ def _gather(sighted, planned, prior_plane, row, links, walls):
 
 
 @kernel
-def _sight(links, o):
+def _sight(claim, item, second, o):
     """The prior object that ``o`` is a first or second sight of, -1 for none."""
-    return links.item[links.claim[o]] if links.claim[o] >= 0 else links.second[o]
+    return item[claim[o]] if claim[o] >= 0 else second[o]
 
 
 @kernel
@@ -93,15 +95,16 @@ def _measure(sighted, planned, rates, at, links, walls):
     for o in range(len(sighted.category)):
         for e in range(5):
             walls.sums[o, e] = 0.0
-        q, root = _sight(links, o), first_of(walls.wall, o)
+        q = _sight(links.claim, links.item, links.second, o)
         if q < 0:
             continue
+        root = first_of(walls.wall, o)
         walls.wall[o] = root
         x = at[1] + c * sighted.place[o, 0] - s * sighted.place[o, 1] - planned.place[q, 0]
         y = at[2] + s * sighted.place[o, 0] + c * sighted.place[o, 1] - planned.place[q, 1]
         square = x * x + y * y
         walls.off[o, 0], walls.off[o, 1] = x, y
-        walls.bell[o] = _in_bell(rates, square)
+        walls.bell[o] = _in_bell(rates.bell, rates.sharpness, rates.disc, rates.radius, square)
         walls.sums[root, 0] += 1.0
         walls.sums[root, 1] += x
         walls.sums[root, 2] += y
@@ -110,42 +113,41 @@ def _measure(sighted, planned, rates, at, links, walls):
 
 
 @kernel
-def _in_bell(rates, square):
+def _in_bell(bell, sharpness, disc, radius, square):
     """Ln of the probability that an error of this squared length is not of the tail."""
-    if square > rates.radius * rates.radius or rates.disc == 0.0:
+    if square > radius * radius or disc == 0.0:
         return 0.0
-    tail = math.log(rates.disc) - math.log(rates.bell) + square * rates.sharpness
+    tail = math.log(disc / bell) + square * sharpness
     return -tail if tail > 700.0 else -math.log1p(math.exp(tail))
 
 
 @kernel
-def _together(rates, walls, root):
+def _together(shared, sharpness, wall, off, bell, sums, root):
     """Ln of the ratio of one wall, over which of its errors are of the tail: at most one counts."""
-    count, x, y = walls.sums[root, 0], walls.sums[root, 1], walls.sums[root, 2]
-    square, bells = walls.sums[root, 3], walls.sums[root, 4]
+    count, x, y = sums[root, 0], sums[root, 1], sums[root, 2]
+    square, bells = sums[root, 3], sums[root, 4]
     rest = 1.0 - math.exp(bells)  # the probability that more are
-    total = bells + _ratio(rates, count, x * x + y * y, square)
-    for o in range(root, len(walls.wall)):
-        if walls.wall[o] != root or walls.bell[o] == 0.0:
+    total = bells + _ratio(shared, sharpness, count, x * x + y * y, square)
+    for o in range(root, len(wall)):
+        if wall[o] != root or bell[o] == 0.0:
             continue
-        one = bells - walls.bell[o] + math.log(-math.expm1(walls.bell[o]))
+        one = bells - bell[o] + math.log(-math.expm1(bell[o]))
         rest -= math.exp(one)
-        dx, dy = walls.off[o, 0], walls.off[o, 1]
+        dx, dy = off[o, 0], off[o, 1]
         joint, others = (x - dx) ** 2 + (y - dy) ** 2, square - dx * dx - dy * dy
-        total = np.logaddexp(total, one + _ratio(rates, count - 1.0, joint, others))
+        total = np.logaddexp(total, one + _ratio(shared, sharpness, count - 1.0, joint, others))
     return np.logaddexp(total, math.log(rest)) if rest > 0.0 else total
 
 
 @kernel
-def _ratio(rates, count, joint, square):
+def _ratio(shared, sharpness, count, joint, square):
     """Ln of the bell of ``count`` errors with a common part, against that of independent ones.
 
     ``joint`` is the squared length of their sum, ``square`` the sum of their squared lengths.
     """
-    shared = rates.shared
     spread = 1.0 + (count - 1.0) * shared
     within = (square - shared * joint / spread) / (1.0 - shared)
-    return most_ratio(count, shared) + rates.sharpness * (square - within)
+    return most_ratio(count, shared) + sharpness * (square - within)
 
 
 @kernel
