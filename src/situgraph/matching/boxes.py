@@ -13,12 +13,15 @@ import math
 
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import SLACK, Slack, may_explain, wrapped
+from situgraph.matching.explained import SLACK, Slack, give, may_explain, wrapped
 from situgraph.matching.lookup import find
 from situgraph.matching.pairing import add_option, pair_up
+from situgraph.matching.records import scratch
 
 YAW, TURN, PX, PY, UX, UY, HU, HV, AX, AY = range(10)  # columns of a box
 SIDES = 10
+ROUNDS = 8  # of shrinking one box
+GAIN = 0.8  # a round that leaves more of the box is the last
 
 
 @part
@@ -37,6 +40,27 @@ def slack_of(box, wx, wy):
 def radius(box):
     """How far the anchor moves inside the box."""
     return math.sqrt(box[HU] ** 2 + box[HV] ** 2)
+
+
+@part
+def centre(box, out):
+    """The placement (yaw, x, y of the mean room centre) in the middle of a box."""
+    c, s = math.cos(box[YAW]), math.sin(box[YAW])
+    out[0] = wrapped(box[YAW])
+    out[1] = box[PX] - c * box[AX] + s * box[AY]
+    out[2] = box[PY] - s * box[AX] - c * box[AY]
+
+
+@part
+def move_anchor(box):
+    """Anchor the box at the mean room centre instead: it holds what it held, and more."""
+    at = scratch(3)
+    centre(box, at)
+    wx, wy = at[1] - box[PX], at[2] - box[PY]
+    slack = slack_of(box, wx, wy)
+    box[HU], box[HV] = give(slack, box[UX], box[UY]), give(slack, -box[UY], box[UX])
+    box[PX], box[PY] = at[1], at[2]
+    box[AX] = box[AY] = 0.0
 
 
 @part
@@ -96,6 +120,18 @@ def shrink(case, box):
         if low > high:
             return False
         _cut(box, side, low, high)
+    return True
+
+
+@part
+def squeeze(case, box, arm):
+    """Shrink a box while it pays; False when nothing is left."""
+    for _ in range(ROUNDS):
+        before = box[TURN] * arm + box[HU] + box[HV]
+        if not shrink(case, box):
+            return False
+        if box[TURN] * arm + box[HU] + box[HV] > GAIN * before:
+            break
     return True
 
 

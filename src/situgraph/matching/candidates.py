@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from situgraph.matching.entries import find_peaks
+from situgraph.matching.memory import Memory, start_of
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.tables import Floats, Ints
+from situgraph.matching.tables import CUT, Floats, Ints
 
 
 class Peaks(NamedTuple):
@@ -21,20 +22,54 @@ class Peaks(NamedTuple):
 
 
 class Known:
-    """Peaks by the walls alone, of one online graph; its objects may change."""
+    """What searches by the walls alone have found: of an online graph that grows.
 
-    def __init__(self) -> None:
+    Attributes:
+        grows: whether more rooms may come; then each search leaves what the next can start from.
+    """
+
+    def __init__(self, *, grows: bool = False) -> None:
         """Nothing is known yet."""
+        self.grows = grows
         self._peaks: dict[tuple[bool, int], Peaks] = {}
+        self._memories: dict[bool, Memory] = {}
 
     def by_walls(self, inputs: Inputs, least: int) -> Peaks:
         """What the search finds; from memory where it was asked before."""
         if inputs.semantics == "containment":  # there, objects decide what is found
-            return _by_walls(inputs, least)
+            return self._search(inputs, least, traced=False)
         key = (inputs.flipped, least)
         if key not in self._peaks:
-            self._peaks[key] = _by_walls(inputs, least)
+            self._peaks[key] = self._search(inputs, least, traced=self.grows)
         return self._peaks[key]
+
+    def forget_peaks(self) -> None:
+        """Rooms or planes are others now."""
+        self._peaks = {}
+
+    def _search(self, inputs: Inputs, least: int, *, traced: bool) -> Peaks:
+        rooms = len(inputs.kept)
+        if not rooms or not inputs.index.rooms:
+            nothing = np.zeros(rooms, dtype=np.int64)
+            return Peaks(
+                np.empty((0, 5)),
+                np.zeros(0, dtype=np.int64),
+                nothing,
+                np.zeros(4, dtype=np.int64),
+            )
+        tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
+        before = self._memories.get(inputs.flipped) if traced else None
+        start = start_of(before, inputs, least)
+        found = find_peaks(*tables, inputs.mapping, least, start, traced=traced)
+        if start is not None and start.on and found[2][CUT]:
+            start = start._replace(on=False)
+            found = find_peaks(*tables, inputs.mapping, least, start, traced=traced)
+        place, alike, done, traces = found
+        if traces is not None:
+            self._memories[inputs.flipped] = Memory(inputs, least, traces)
+        shift = place[:, 0].astype(np.int64)
+        place[:, 0] = inputs.shifts[shift]
+        return Peaks(place, shift, alike, done)
 
 
 def find(inputs: Inputs, least: int, known: Known) -> Peaks:
@@ -45,20 +80,3 @@ def find(inputs: Inputs, least: int, known: Known) -> Peaks:
         at = np.ascontiguousarray(place[:, 1:4])
         place[:, 4] += inputs.evidence(inputs.views(peaks.shift, at), at)[0]
     return peaks._replace(place=place)
-
-
-def _by_walls(inputs: Inputs, least: int) -> Peaks:
-    rooms = len(inputs.kept)
-    if not rooms or not inputs.index.rooms:
-        nothing = np.zeros(rooms, dtype=np.int64)
-        return Peaks(
-            np.empty((0, 5)),
-            np.zeros(0, dtype=np.int64),
-            nothing,
-            np.zeros(4, dtype=np.int64),
-        )
-    tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
-    place, alike, done = find_peaks(*tables, inputs.mapping, least)
-    shift = place[:, 0].astype(np.int64)
-    place[:, 0] = inputs.shifts[shift]
-    return Peaks(place, shift, alike, done)

@@ -24,9 +24,14 @@ from situgraph.matching.records import (
     scratch,
     slots_of,
 )
-from situgraph.matching.search import add_peak, search
+from situgraph.matching.represented import add_peak
+from situgraph.matching.search import outline, search
 from situgraph.matching.tables import (
+    ANYWHERE,
+    HELD,
+    LEFT,
     PEAKS,
+    STAGE,
     Bench,
     Case,
     Content,
@@ -48,12 +53,24 @@ from situgraph.matching.tables import (
     Task,
     View,
 )
+from situgraph.matching.traces import Start, Traces, recall, traces_of
 from situgraph.matching.views import look
 
 WAITING = 64  # boxes of one pair of rooms that are put together
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
 FOUND = 8  # the place of ``Found`` among the records a case has to work in
+GROUND = 9  # and of ``Ground``
+TASK = 0  # and of ``Task``
+KEPT = {  # what is read and written outside of kernels: of which record, whether of two dimensions
+    "judged": (TASK, False),
+    "alike": (FOUND, False),
+    "like": (FOUND, True),
+    "word": (GROUND, False),
+    "base": (GROUND, False),
+    "drawn": (GROUND, False),
+}
 ROOM = 1024  # for peaks, to begin with
+COVER = 4096  # boxes of a cover, at most
 
 
 class Search(NamedTuple):
@@ -63,7 +80,12 @@ class Search(NamedTuple):
     shifts: IntTable  # (k, U)
     shift: Ints  # (c,) of each peak
     place: Table  # (c, 4) yaw, x, y, L
-    count: Ints  # type: ignore[assignment]  # (5,) peaks, hypotheses, boxes, incomplete, work
+    count: Ints  # type: ignore[assignment]  # (8,) ``PEAKS`` to ``STAGE``
+    left: Table  # (k, SIDES) the cover
+    left_shift: Ints  # (k,) of each of its boxes
+    known: Table  # (g, SIDES) the cover of an earlier search
+    known_first: Ints  # (shifts + 1,) where that of each shift begins; empty without one
+    wanted: int  # groups of new rooms
 
 
 class Sights(NamedTuple):
@@ -81,27 +103,48 @@ class Sights(NamedTuple):
 
 
 def find_peaks(
-    seen: Seen, plan: Plan, limits: Limits, content: Content, shifts: Ints, least: int
-) -> tuple[Floats, Ints, Ints]:
+    seen: Seen,
+    plan: Plan,
+    limits: Limits,
+    content: Content,
+    shifts: Ints,
+    least: int,
+    start: Start | None = None,
+    *,
+    traced: bool = False,
+) -> tuple[Floats, Ints, Ints, Traces | None]:
     """All peaks (k, 5) for all shifts of the storeys: row of ``shifts``, yaw, x, y, L.
 
-    And how many prior rooms are like each online room; and what was done: peaks, hypotheses,
-    boxes, 1 when incomplete, comparisons of planes.
+    And how many prior rooms are like each online room; what was done: peaks, hypotheses, boxes, 1
+    when incomplete, comparisons of planes, boxes left; and, where ``traced``, what a later search
+    can start from.
     """
     most = ROOM
+    boxes = COVER if traced else 0
+    known, first, wanted = _NOTHING
+    if start is not None and start.on:
+        known, first, wanted = start.cover, start.first, start.wanted
+    maps = len(shifts) if traced else 1
     while True:
-        case, kept = _case(seen, plan, limits, content, shifts.shape[1], least, most)
-        values, block = allocated(Search, (0, (0, 0), most, (most, 4), 5))
-        block = np.array(block)
-        block[0] = address(case)
-        block[1:4] = address(shifts), *shifts.shape
+        tables = (seen, plan, limits, content)
+        case, kept = _case(*tables, shifts.shape[1], least, most, boxes=boxes, maps=maps)
+        kept["base"][0] = plan.row[0, 3] - seen.angle[0]
+        if start is not None:
+            recall(kept, start)
+        shapes = (0, (0, 0), most, (most, 4), 8, (boxes, SIDES), boxes, (0, 0), 0, 0)
+        values, _ = allocated(Search, shapes)
+        search = Search(case, shifts, *values[2:7], known, first, wanted)  # type: ignore[call-arg]
+        block = slots_of(Search, search)
         search_all(address(block))
-        _, _, shift, place, count = values
+        count = search.count
         if count[PEAKS] <= most:
             found = int(count[PEAKS])
-            peaks = np.column_stack([shift[:found], place[:found]])
+            peaks = np.column_stack([search.shift[:found], search.place[:found]])
             alike: Ints = kept["alike"]
-            return peaks, alike, count
+            traces = None
+            if traced:
+                traces = traces_of(kept, count, search.left, search.left_shift, len(shifts))
+            return peaks, alike, count, traces
         most *= 16
 
 
@@ -138,18 +181,21 @@ def _case(
     storeys: int,
     least: int,
     peaks: int,
+    *,
+    boxes: int = 0,
+    maps: int = 0,
 ) -> tuple[Any, dict[str, Any]]:
-    """The block of a case, and what must be kept while it is used."""
+    """The block of a case, and what must be kept while it is used: ``KEPT`` by name, and more."""
     rooms, rows, prior = len(seen.storey), len(seen.angle), len(plan.storey)
     widest = int(np.diff(seen.first).max(initial=1))
     room_work = (rooms, rooms)
     plane_work = (widest, plan.widest + 1)
     columns = prior + rooms
-    boxes = ((DEPTH, SIDES), (WAITING, SIDES))
+    stacks = ((DEPTH, SIDES), (WAITING, SIDES))
     view = (rooms, rows, rows, rows, rows)
-    words = 4 * rooms * int(plan.cells.prod()) if peaks else 0
+    words = 4 * maps * rooms * int(plan.cells.prod())
     work: list[tuple[Any, Any]] = [
-        (Task, (least, storeys)),
+        (Task, (least, storeys, rooms)),
         (Finder, (prior, prior, 1)),
         (Bench, (*[plane_work] * 3, widest, widest + 1, *[widest] * 5, *[plane_work[1]] * 6)),
         (Options, (room_work, room_work, rooms, prior)),
@@ -157,8 +203,21 @@ def _case(
         (Tally, ((seen.planes, 8), seen.planes)),
         (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
         (Groups, (rooms + 2, *[rooms] * 5, 1)),
-        (Found, ((peaks, 4), 5, rooms, *boxes, (rooms, prior // 64 + 1), (2, 4))),
-        (Ground, (words, 1, rooms)),
+        (
+            Found,
+            (
+                (peaks, 4),
+                8,
+                rooms,
+                *stacks,
+                (rooms, prior // 64 + 1),
+                (2, 4),
+                (boxes, SIDES),
+                (boxes, SIDES),
+                (boxes, 3),
+            ),
+        ),
+        (Ground, (words, 1, rooms, maps * rooms, 1)),
         (View, view),
         (View, view),
     ]
@@ -166,11 +225,17 @@ def _case(
     tables = (seen.slots, plan.slots, _limits(limits), content.slots)
     start = address(block)
     places = [*map(address, tables), *(start + WORD * k for k in begins)]
-    at = begins[FOUND] + layout(Found)["alike"].slot
-    first = (int(block[at]) - address(room)) // WORD
     kept = {"room": room, "block": block, "tables": tables}
-    kept["alike"] = room[first : first + rooms].view(np.int64)
+    for name, (record, wide) in KEPT.items():
+        declared = work[record][0]
+        at = begins[record] + layout(declared)[name].slot
+        first = (int(block[at]) - address(room)) // WORD
+        size = int(block[at + 1]) * (int(block[at + 2]) if wide else 1)
+        kept[name] = room[first : first + size].view(np.float64 if name == "base" else np.int64)
     return np.array(places, dtype=np.int64), kept
+
+
+_NOTHING = (np.zeros((0, SIDES)), np.zeros(0, dtype=np.int64), 0)
 
 
 @lru_cache(maxsize=16)
@@ -189,11 +254,16 @@ def _search_all(wanted):
     case = wanted.case
     task, found = case.task, case.found
     _shapes_alike(case)
-    kept = 0
+    kept = left = 0
     for z in range(len(wanted.shifts)):
         for u in range(len(task.storeys)):
             task.storeys[u] = wanted.shifts[z, u]
-        found.count[PEAKS] = 0
+        found.count[PEAKS] = found.count[LEFT] = found.count[HELD] = 0
+        found.count[STAGE] = ANYWHERE
+        _turn_to_maps(case, z)
+        if len(wanted.known_first) > 0:
+            begin, end = wanted.known_first[z], wanted.known_first[z + 1]
+            outline(case, wanted.known, begin, end, wanted.wanted)
         search(case)
         _raise_all(case)
         for k in range(found.count[PEAKS]):
@@ -202,9 +272,26 @@ def _search_all(wanted):
                 for c in range(4):
                     wanted.place[kept, c] = found.peak[k, c]
             kept += 1
-    wanted.count[PEAKS] = kept
-    for k in range(1, 5):
+        for k in range(found.count[LEFT]):
+            if left < len(wanted.left) and k < len(found.cover):
+                wanted.left_shift[left] = z
+                for c in range(SIDES):
+                    wanted.left[left, c] = found.cover[k, c]
+            left += 1
+    for k in range(len(wanted.count)):
         wanted.count[k] = found.count[k]
+    wanted.count[PEAKS], wanted.count[LEFT] = kept, left
+
+
+@part
+def _turn_to_maps(case, z):
+    """Maps of the shift ``z``; where only those of one are kept, they are drawn again."""
+    ground, rooms = case.ground, len(case.seen.storey)
+    if z > 0 and len(ground.drawn) == rooms:
+        for r in range(rooms):
+            ground.drawn[r] = 0
+    else:
+        ground.part[0] = z * rooms
 
 
 @part
@@ -228,6 +315,8 @@ def _shapes_alike(case):
     """
     seen, plan, alike, like = case.seen, case.plan, case.found.alike, case.found.like
     for r in range(len(seen.storey)):
+        if case.task.judged[r]:
+            continue
         few = seen.first[r + 1] - seen.first[r] < 3
         for a in range(len(plan.storey)):
             if room_allowed(case, r, a) and (few or fits_somewhere(case, r, a)):

@@ -44,14 +44,18 @@ BITS = 64  # cells of a word
 
 @part
 def lay(case):
-    """Draw the maps of all rooms for the present shift of the storeys."""
+    """Draw the maps of the present shift of the storeys, but for those drawn before."""
     seen, plan, ground, task = case.seen, case.plan, case.ground, case.task
-    for k in range(len(ground.word)):
-        ground.word[k] = 0
-    ground.base[0] = plan.row[0, 3] - seen.angle[0]
+    words = 4 * plan.cells[0] * plan.cells[1]
     for r in range(len(seen.storey)):
         storey = task.storeys[seen.storey[r]]
         ground.known[r] = 1 if storey < 0 or _tells(case, r) else 0
+        slot = ground.part[0] + r
+        if ground.drawn[slot]:
+            continue
+        ground.drawn[slot] = 1
+        for k in range(slot * words, (slot + 1) * words):
+            ground.word[k] = 0
         if storey < 0 or not ground.known[r]:
             continue
         for a in range(len(plan.storey)):
@@ -109,7 +113,7 @@ def _mark(case, r, box):
     last = _quarter(ground, box[YAW] + loose)
     words = plan.cells[0]
     for q in (first, last):
-        at = (r * 4 + q) * words * plan.cells[1]
+        at = ((ground.part[0] + r) * 4 + q) * words * plan.cells[1]
         for y in range(y0, y1 + 1):
             for w in range(x0 // BITS, x1 // BITS + 1):
                 low, high = max(x0 - w * BITS, 0), min(x1 - w * BITS, BITS - 1)
@@ -140,7 +144,8 @@ def _quarter(ground, yaw):
 def _lies(case, r, quarter, x, y):
     """Whether the centre of ``r`` may lie within ``REACH`` of a place in the plan."""
     plan, column = case.plan, _column(case.plan, x)
-    at = ((r * 4 + quarter) * plan.cells[1] + _row(plan, y)) * plan.cells[0] + column // BITS
+    at = ((case.ground.part[0] + r) * 4 + quarter) * plan.cells[1] + _row(plan, y)
+    at = at * plan.cells[0] + column // BITS
     return (case.ground.word[at] >> (column & (BITS - 1))) & 1 == 1
 
 

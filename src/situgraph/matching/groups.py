@@ -13,25 +13,33 @@ import math
 
 from situgraph.matching.compiled import part
 
+FREE, ASIDE = -1, -2  # rooms of no group: that may go to one, and that may not
+
 
 @part
-def form_groups(case, count):
+def form_groups(case, count, fresh):
     """At most ``count`` groups around rooms whose planes are not parallel, the rarest first.
 
-    Returns how many; there are fewer when fewer rooms can be anchors.
+    ``fresh``: only of rooms that no earlier search knew. Returns how many; there are fewer when
+    fewer rooms can be anchors.
     """
     seen, groups = case.seen, case.groups
     rooms = len(seen.storey)
     group, anchors, first, member = groups.group, groups.anchor, groups.first, groups.member
+    left = 0
     for r in range(rooms):
-        group[r] = -1
+        group[r] = FREE
+        if fresh and case.task.judged[r]:
+            group[r] = ASIDE
+        else:
+            left += 1
     made = 0
     while made < count:
         best = -1
         for r in range(rooms):
             if (
                 not seen.flat[r]
-                and group[r] < 0
+                and group[r] == FREE
                 and (best < 0 or _effort(case, r) < _effort(case, best))
             ):
                 best = r
@@ -43,7 +51,7 @@ def form_groups(case, count):
     first[0] = 0
     for g in range(made):
         first[g + 1] = 1
-    left = rooms - made
+    left -= made
     while left > 0 and made > 0:
         for g in range(made):
             near = _nearest(case, anchors[g], group)
@@ -107,6 +115,6 @@ def _apart(case, one, two):
 def _nearest(case, anchor, group):
     best = -1
     for r in range(len(group)):
-        if group[r] < 0 and (best < 0 or _apart(case, anchor, r) < _apart(case, anchor, best)):
+        if group[r] == FREE and (best < 0 or _apart(case, anchor, r) < _apart(case, anchor, best)):
             best = r
     return best

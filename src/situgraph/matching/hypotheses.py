@@ -263,9 +263,21 @@ def join(box, other, most):
 
     Where a half width would be more than ``most``, or the yaws differ by more than half of theirs.
     """
-    turned = wrapped(other[YAW] - box[YAW])
-    if abs(turned) > box[TURN] / 2:
+    if abs(wrapped(other[YAW] - box[YAW])) > box[TURN] / 2:
         return False
+    both = scratch(SIDES)
+    copy_box(box, both)
+    enclose(both, other)
+    if both[HU] > most or both[HV] > most:
+        return False
+    copy_box(both, box)
+    return True
+
+
+@part
+def enclose(box, other):
+    """Widen ``box`` to hold ``other``, of the same anchor."""
+    turned = wrapped(other[YAW] - box[YAW])
     along = abs(box[UX] * other[UX] + box[UY] * other[UY])
     across = abs(box[UX] * other[UY] - box[UY] * other[UX])
     x, y = other[PX] - box[PX], other[PY] - box[PY]
@@ -273,12 +285,9 @@ def join(box, other, most):
     hu, hv = along * other[HU] + across * other[HV], across * other[HU] + along * other[HV]
     u0, u1 = min(-box[HU], u - hu), max(box[HU], u + hu)
     v0, v1 = min(-box[HV], v - hv), max(box[HV], v + hv)
-    if u1 - u0 > 2 * most or v1 - v0 > 2 * most:
-        return False
     low, high = min(-box[TURN], turned - other[TURN]), max(box[TURN], turned + other[TURN])
     box[YAW], box[TURN] = box[YAW] + (low + high) / 2, (high - low) / 2
     u, v = (u0 + u1) / 2, (v0 + v1) / 2
     box[PX] += u * box[UX] - v * box[UY]
     box[PY] += u * box[UY] + v * box[UX]
     box[HU], box[HV] = (u1 - u0) / 2, (v1 - v0) / 2
-    return True

@@ -16,8 +16,9 @@ class Matcher:
     ``update`` gives exactly what ``match`` gives for the same graph. Where walls find candidates
     and objects only weigh them (all policies but ``containment``), a graph whose rooms and planes
     are as they were is not searched again: its peaks are known, and only its objects are weighed
-    anew. A new room can lower what a candidate has to explain of the old ones, so then the search
-    begins anew.
+    anew. With rooms more than before it is searched where the former search could not rule
+    placements out, and where the new rooms can be explained (``memory``). Where a room went or is
+    not as it was, the search begins anew.
 
     Attributes:
         result: the last result, None before the first update.
@@ -36,7 +37,7 @@ class Matcher:
         self.config = config or self.index.config
         self.result: MatchResult | None = None
         self._online: SceneGraph | None = None
-        self._known = Known()
+        self._known = Known(grows=True)
 
     def update(self, online: SceneGraph) -> MatchResult:
         """Match the graph as it is now.
@@ -48,7 +49,7 @@ class Matcher:
         if self.result is not None and same and self._same_objects(online):
             return self.result
         if not same:
-            self._known = Known()
+            self._known.forget_peaks()
         self.result = match_knowing(online, self.index, self.semantics, self.config, self._known)
         self._online = online
         return self.result

@@ -18,6 +18,7 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.lookup import find
+from situgraph.matching.tables import PEAKS
 
 
 @part
@@ -77,3 +78,20 @@ def represented(case, box, at):
                     if there > limits.angle + SLACK or reach > limits.fit + SLACK:
                         return False
     return True
+
+
+@part
+def add_peak(case, at, height):
+    """Note a peak, unless it is known; where there is no room for it, it is only counted."""
+    peaks, count = case.found.peak, case.found.count
+    for k in range(min(count[PEAKS], len(peaks))):
+        if (
+            abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < 1e-4
+            and abs(wrapped(peaks[k, 0] - at[0])) < 1e-4
+        ):
+            return
+    if count[PEAKS] < len(peaks):
+        for k in range(3):
+            peaks[count[PEAKS], k] = at[k]
+        peaks[count[PEAKS], 3] = height
+    count[PEAKS] += 1

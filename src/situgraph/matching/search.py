@@ -15,18 +15,30 @@ from situgraph.matching.boxes import (
     PY,
     SIDES,
     TURN,
-    UX,
-    UY,
     YAW,
+    centre,
+    move_anchor,
     narrow,
     possible,
     radius,
-    shrink,
     slack_of,
+    squeeze,
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import give, may_explain, wrapped
+from situgraph.matching.cover import (
+    far_off,
+    far_room,
+    keep_left,
+    keep_region,
+    longest_arm,
+    nothing_left,
+    outside,
+    sight,
+    spread,
+    strayed,
+)
+from situgraph.matching.explained import may_explain, wrapped
 from situgraph.matching.ground import enough, lay, partners_lie
 from situgraph.matching.groups import form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
@@ -42,44 +54,78 @@ from situgraph.matching.hypotheses import (
 from situgraph.matching.peaks import climb, feasible, optimum
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
-from situgraph.matching.represented import represented
-from situgraph.matching.tables import BOXES, CUT, PEAKS, TRIED, WORK
+from situgraph.matching.represented import add_peak, represented
+from situgraph.matching.tables import (
+    ANYWHERE,
+    BOXES,
+    CUT,
+    HELD,
+    OUTLINING,
+    PEAKS,
+    STAGE,
+    TRIED,
+    WITHIN,
+    WORK,
+)
 from situgraph.matching.views import (
     fixes,
     look,
 )
 
-ROUNDS = 8  # of shrinking one box
-GAIN = 0.8  # a round that leaves more of the box is the last
 GUESSES = 3  # least squares from relaxed correspondences
 JOINED = 0.3  # half widths of a box put together of several, at most, metres
 NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 
 
 @part
-def add_peak(case, at, height):
-    """Note a peak, unless it is known; where there is no room for it, it is only counted."""
-    peaks, count = case.found.peak, case.found.count
-    for k in range(min(count[PEAKS], len(peaks))):
-        if (
-            abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < 1e-4
-            and abs(wrapped(peaks[k, 0] - at[0])) < 1e-4
-        ):
-            return
-    if count[PEAKS] < len(peaks):
-        for k in range(3):
-            peaks[count[PEAKS], k] = at[k]
-        peaks[count[PEAKS], 3] = height
-    count[PEAKS] += 1
+def search(case):
+    """Find the peaks of all feasible placements for one shift of the storeys."""
+    if case.found.count[STAGE] == WITHIN and case.found.count[HELD] == 0:
+        return
+    wanted = len(case.seen.storey) - case.task.least + 1
+    made = form_groups(case, wanted, False)
+    lay(case)
+    _search_groups(case, made)
+    if made < wanted:
+        _corridors(case, made)
 
 
 @part
-def search(case):
-    """Find the peaks of all feasible placements for one shift of the storeys."""
+def outline(case, cover, begin, end, wanted):
+    """Where feasible placements can be, after an earlier search left a cover: into ``region``.
+
+    The cover are its boxes ``begin`` to ``end``; a feasible placement outside of it explains one of
+    ``wanted`` groups of rooms that are new.
+    """
+    count = case.found.count
+    count[STAGE] = OUTLINING
+    for m in range(len(case.seen.storey)):
+        case.spans.required[m] = 0
+    for k in range(begin, end):
+        _hold(case, cover[k])
+    if wanted > 0:
+        made = form_groups(case, wanted, True)
+        lay(case)
+        _search_groups(case, made)
+    count[STAGE] = WITHIN if count[HELD] <= len(case.found.region) else ANYWHERE
+
+
+@part
+def _hold(case, start):
+    """Add to the region what may be feasible of a box."""
+    box, arm = scratch(SIDES), longest_arm(case)
+    copy_box(start, box)
+    if squeeze(case, box, arm):
+        move_anchor(box)
+        if squeeze(case, box, arm):
+            keep_region(case, box, arm)
+
+
+@part
+def _search_groups(case, made):
+    """All placements that explain one of the groups."""
     seen, plan, spans, task, groups = case.seen, case.plan, case.spans, case.task, case.groups
     rooms = len(seen.storey)
-    made = form_groups(case, rooms - task.least + 1)
-    lay(case)
     for g in range(made):
         r = groups.member[groups.first[g]]
         storey = task.storeys[seen.storey[r]]
@@ -90,11 +136,11 @@ def search(case):
         if storey < 0:
             continue
         sort_rooms(case, r)
+        if case.found.count[STAGE] == WITHIN:
+            sight(case, r)
         for a in range(len(plan.storey)):
             if plan.storey[a] == storey and may_be(case, r, a) and not _exhausted(case):
                 _hypotheses(case, g, r, a)
-    if made < rooms - task.least + 1:
-        _corridors(case, made)
 
 
 @part
@@ -103,7 +149,8 @@ def _hypotheses(case, g, r, a):
     plan, found = case.plan, case.found
     box = scratch(SIDES)
     if plain_pair(case, r, a):
-        _plain(case, g, r, a, box)
+        if found.count[STAGE] != WITHIN or not far_room(case, r, a):
+            _plain(case, g, r, a, box)
         return
     pairs, reach = pairs_of(case, r)
     waiting = 0
@@ -158,13 +205,17 @@ def _try_waiting(case, g, waiting):
 @part
 def _try(case, g, start):
     """Search a box, but for one in which too few rooms can be explained; it stays as it is."""
-    if _exhausted(case):
+    count = case.found.count
+    if _exhausted(case) or (count[STAGE] == WITHIN and far_off(case, start)):
         return
     box = scratch(SIDES)
     copy_box(start, box)
-    case.found.count[TRIED] += 1
+    count[TRIED] += 1
     if partners_lie(case, box, g) and _partners(case, box, g) and enough(case, box, g):
-        explore(case, box)
+        if count[STAGE] == OUTLINING:
+            _hold(case, box)
+        else:
+            explore(case, box)
 
 
 @part
@@ -251,12 +302,9 @@ def explore(case, start):
 
     Or represented by a peak.
     """
-    seen, limits = case.seen, case.limits
-    arm = 1.0
-    for r in range(len(seen.storey)):
-        arm = max(arm, math.hypot(seen.center[r, 0], seen.center[r, 1]))
-    found = case.found
-    stack, box, at = found.stack, scratch(SIDES), scratch(3)
+    found, limits, arm = case.found, case.limits, longest_arm(case)
+    stack, box, at, left = found.stack, scratch(SIDES), scratch(3), scratch(SIDES)
+    nothing_left(left)
     copy_box(start, stack[0])
     depth = 1
     while depth > 0:
@@ -267,13 +315,16 @@ def explore(case, start):
             break
         if found.count[PEAKS] > len(found.peak):  # to be searched again with more room
             break
-        if not _squeeze(case, box, arm):
+        if not squeeze(case, box, arm):
             continue
         if box[AX] != 0.0 or box[AY] != 0.0:
-            _move_anchor(box)
-            if not _squeeze(case, box, arm):
+            move_anchor(box)
+            if not squeeze(case, box, arm):
                 continue
+        if found.count[STAGE] == WITHIN and outside(case, box):
+            continue
         if _known(case, box):
+            spread(left, box)
             continue
         before = found.count[PEAKS]
         state = _witness(case, box, arm, at)
@@ -283,6 +334,7 @@ def explore(case, start):
             height = climb(case, at)
             add_peak(case, at, height)
             if found.count[PEAKS] > before and _known(case, box):
+                spread(left, box)
                 continue
         side, widest = 0, box[TURN] * arm
         if box[HU] > widest:
@@ -290,45 +342,14 @@ def explore(case, start):
         if box[HV] > widest:
             side, widest = 2, box[HV]
         if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
+            spread(left, box)
             continue
         if depth + 2 > len(stack):
             found.count[CUT] = 1
             continue
         split(box, side, stack[depth], stack[depth + 1])
         depth += 2
-
-
-@part
-def _move_anchor(box):
-    """Anchor the box at the mean room centre instead: it holds what it held, and more."""
-    at = scratch(3)
-    _centre(box, at)
-    wx, wy = at[1] - box[PX], at[2] - box[PY]
-    slack = slack_of(box, wx, wy)
-    box[HU], box[HV] = give(slack, box[UX], box[UY]), give(slack, -box[UY], box[UX])
-    box[PX], box[PY] = at[1], at[2]
-    box[AX] = box[AY] = 0.0
-
-
-@part
-def _squeeze(case, box, arm):
-    """Shrink a box while it pays; False when nothing is left."""
-    for _ in range(ROUNDS):
-        before = box[TURN] * arm + box[HU] + box[HV]
-        if not shrink(case, box):
-            return False
-        if box[TURN] * arm + box[HU] + box[HV] > GAIN * before:
-            break
-    return True
-
-
-@part
-def _centre(box, out):
-    """The placement (yaw, x, y of the mean room centre) in the middle of a box."""
-    c, s = math.cos(box[YAW]), math.sin(box[YAW])
-    out[0] = wrapped(box[YAW])
-    out[1] = box[PX] - c * box[AX] + s * box[AY]
-    out[2] = box[PY] - s * box[AX] - c * box[AY]
+    keep_left(case, left, arm)
 
 
 @part
@@ -336,7 +357,7 @@ def _known(case, box):
     """Whether a peak represents all feasible placements of the box."""
     limits = case.limits
     found, middle = case.found, scratch(3)
-    _centre(box, middle)
+    centre(box, middle)
     sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
     for k in range(min(found.count[PEAKS], len(found.peak))):
         at = found.peak[k]
@@ -358,7 +379,7 @@ def _witness(case, box, arm, at):
     what the box allows.
     """
     task = case.task
-    _centre(box, at)
+    centre(box, at)
     if feasible(case, case.one, at):
         return 1
     loose = radius(box) + 2 * math.sin(box[TURN] / 2) * arm
@@ -370,7 +391,7 @@ def _witness(case, box, arm, at):
         if count == 0:
             return 0
         optimum(case, case.one, at, at)
-        if feasible(case, case.one, at):
+        if not strayed(box, at) and feasible(case, case.one, at):
             return 1
         loose /= 2
     return 0

@@ -20,7 +20,10 @@ IntTable = Annotated[Ints, 2]
 CountTable = Annotated[NDArray[np.int16], 2]
 
 FIT, MOVED, MISSING = 0, 1, 2  # states of an online plane
-PEAKS, TRIED, BOXES, CUT, WORK = range(5)  # what a search counts; CUT is 1 when it was cut short
+# What a search counts; CUT is 1 when it was cut short, LEFT and HELD are boxes of ``cover`` and
+# ``region``, STAGE is one of those below.
+PEAKS, TRIED, BOXES, CUT, WORK, LEFT, HELD, STAGE = range(8)
+ANYWHERE, OUTLINING, WITHIN = range(3)  # it searches all, for the region, in the region
 
 
 class Limits(NamedTuple):
@@ -121,6 +124,7 @@ class Task(NamedTuple):
 
     least: int  # rooms to be explained
     storeys: Ints  # (U,) the prior storey of each online storey, -1 for none
+    judged: Ints  # (N,) whether an earlier search knew a room
 
 
 class View(NamedTuple):
@@ -232,21 +236,26 @@ class Groups(NamedTuple):
 class Ground(NamedTuple):
     """Where in the plan each online room may lie (``ground``)."""
 
-    word: Ints  # (N * 4 * rows * words a row,) bits of cells, by room and quarter turn
+    word: Ints  # (shifts * N * 4 * rows * words a row,) bits of cells, by room and quarter turn
     base: Floats  # (1,) yaw of the first quarter
     known: Ints  # (N,) whether a room has a map
+    drawn: Ints  # (shifts * N,) whether a map has been drawn
+    part: Ints  # (1,) where in ``drawn`` the present shift begins
 
 
 class Found(NamedTuple):
     """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
 
     peak: Table
-    count: Ints  # type: ignore[assignment]  # (5,) peaks, hypotheses, boxes, incomplete, work
+    count: Ints  # type: ignore[assignment]  # (8,) ``PEAKS`` to ``STAGE``
     alike: Ints  # (N,) how many prior rooms explain each online room in isolation
     stack: Table  # (k, SIDES) boxes to be searched
     waiting: Table  # (k, SIDES) boxes in which an anchor finds one prior room
     like: IntTable  # (N, words) bit a: whether prior room a explains it in isolation
     along: Table  # (2, 4) where a plain room finds another, along two directions
+    cover: Table  # (k, SIDES) boxes that hold all feasible placements; 0 where nobody asks
+    region: Table  # (k, SIDES) boxes that are known to do so before the search
+    near: Table  # (k, 3) where each of these takes an anchor, and how near to there
 
 
 class Case(NamedTuple):
