@@ -155,7 +155,7 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
             ge=0,
             lt=1,
         ),
-    ] = 0.5
+    ] = 0.2
     clutter_area: Annotated[
         float,
         setting("An object that is in no plan lies anywhere in this area", "m2", _MODEL, gt=0),

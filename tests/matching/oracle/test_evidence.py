@@ -260,11 +260,11 @@ def test_two_objects_of_a_wall_that_are_off_alike() -> None:
     plan = with_objects(grid(1, 1), ("door", 1.0, 0.0, "s0-0"), ("door", 3.0, 0.0, "s0-0"))
     seen = with_objects(grid(1, 1), ("door", 1.1, 0.0, "s0-0"), ("door", 3.1, 0.0, "s0-0"))
     alone = 2 * (math.log(0.92) + math.log(0.95) + near(0.1)) + unseen(0, 2)
-    # Half their sum and half their difference are independent, of variance 0.75 and 0.25 sigma^2.
-    ratio = 4 / 3 * math.exp(0.02 / (2 * 0.0625) - 0.02 / (2 * 0.09375))
+    # Sum and difference over the root of two are independent, of variance 1.2 and 0.8 sigma^2.
+    ratio = math.exp(0.02 / (2 * 0.0625) - 0.02 / (2 * 0.075)) / (1.2 * 0.8)
     bell = 0.9 * math.exp(-0.08) / (2 * math.pi * 0.0625)
     together = math.log(1 + (bell / (bell + 0.1 / math.pi)) ** 2 * (ratio - 1))
-    assert together == pytest.approx(0.3325, abs=1e-4)
+    assert together == pytest.approx(0.0656, abs=1e-4)
     assert object_gain(seen, plan) == pytest.approx(alone + together)
 
 

@@ -64,7 +64,7 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     wrong_wall: float = 0.05
     wrong_join: float = 0.05
     half_seen: float = 0.1
-    object_shared: float = 0.5
+    object_shared: float = 0.2
     seen_whole: float = 0.7
     seen_shares: tuple[float, ...] = (0.0, 0.5)
     miss_by_category: Mapping[str, float] = {}
