@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from situgraph.matching.entries import find_peaks
-from situgraph.matching.memory import Memory, start_of
+from situgraph.matching.memory import Memory, stands, start_of
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.tables import CUT, Floats, Ints
 
@@ -59,13 +59,14 @@ class Known:
             )
         tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
         before = self._memories.get(inputs.flipped) if traced else None
-        start = start_of(before, inputs, least)
-        found = find_peaks(*tables, inputs.mapping, least, start, traced=traced)
+        kept = traced and stands(before, inputs)
+        start = start_of(before, inputs, least) if kept else None
+        found = find_peaks(*tables, inputs.mapping, least, start, traced=kept)
         if start is not None and start.on and found[2][CUT]:
             start = start._replace(on=False)
-            found = find_peaks(*tables, inputs.mapping, least, start, traced=traced)
+            found = find_peaks(*tables, inputs.mapping, least, start, traced=kept)
         place, alike, done, traces = found
-        if traces is not None:
+        if traced:
             self._memories[inputs.flipped] = Memory(inputs, least, traces)
         shift = place[:, 0].astype(np.int64)
         place[:, 0] = inputs.shifts[shift]

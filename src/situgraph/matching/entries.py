@@ -70,7 +70,7 @@ KEPT = {  # what is read and written outside of kernels: of which record, whethe
     "drawn": (GROUND, False),
 }
 ROOM = 1024  # for peaks, to begin with
-COVER = 4096  # boxes of a cover, at most
+COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
 
 
 class Search(NamedTuple):
@@ -120,7 +120,7 @@ def find_peaks(
     can start from.
     """
     most = ROOM
-    boxes = COVER if traced else 0
+    boxes = min(COVER * (len(plan.storey) + COVER), MOST_COVER) if traced else 0
     known, first, wanted = _NOTHING
     if start is not None and start.on:
         known, first, wanted = start.cover, start.first, start.wanted

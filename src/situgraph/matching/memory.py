@@ -17,7 +17,12 @@ class Memory(NamedTuple):
 
     inputs: Inputs
     least: int
-    traces: Traces
+    traces: Traces | None  # None where nothing was kept
+
+
+def stands(memory: Memory | None, inputs: Inputs) -> bool:
+    """Whether some room is exactly as it was; in a map that moves none is, and none will be."""
+    return memory is None or bool((_rows(memory.inputs, inputs) >= 0).any())
 
 
 def start_of(memory: Memory | None, inputs: Inputs, least: int) -> Start | None:
@@ -28,11 +33,9 @@ def start_of(memory: Memory | None, inputs: Inputs, least: int) -> Start | None:
     it explains one. Rooms of parallel planes are no anchors of a group; and where there were
     enough of them to be explained alone, a placement that nothing fixed may be fixed by now.
     """
-    if memory is None or not _same_plan(memory.inputs, inputs):
+    if memory is None or memory.traces is None or not _same_plan(memory.inputs, inputs):
         return None
     row = _rows(memory.inputs, inputs)
-    if not (row >= 0).any():
-        return None
     traces, shifts = memory.traces, len(inputs.mapping)
     former = memory.inputs.seen
     wanted = len(row) - len(former.storey) - least + memory.least
