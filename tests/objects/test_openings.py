@@ -61,10 +61,10 @@ def test_neighbours_that_one_frame_ran_together_stay_two() -> None:
 
 
 def test_a_part_that_few_frames_saw_does_not_share_in_the_sightings_of_the_rest() -> None:
-    door, leaf = panel(4.0, 0.6, 1.5), panel(4.0, 2.0, 3.1)
-    hits = np.concatenate([np.full(len(door), 20.0), np.full(len(leaf), 6.0)])
+    door, wall = panel(4.0, 0.6, 1.5), panel(4.0, 2.0, 3.1)
+    hits = np.concatenate([np.full(len(door), 20.0), np.full(len(wall), 6.0)])
     found = openings(
-        [Seen(7, "door", np.concatenate([door, leaf]), hits, 20, 20, 16.0)], VIEWS, CONFIG
+        [Seen(7, "door", np.concatenate([door, wall]), hits, 20, 20, 16.0)], VIEWS, CONFIG
     )
     assert [o.attributes["seen"] for o in found.given] == [20]
     assert [o.attributes["seen"] for o in found.weak] == [6]
