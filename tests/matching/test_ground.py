@@ -43,14 +43,14 @@ def inputs_of(kind: Kind, planned: int, seen: int, seed: int, errors: SamplerCon
 def lost_in_a_wide_box(place, box):  # type: ignore[no-untyped-def]
     """Whether the anchor counts as lost in a box wider than its map can tell, nothing marked."""
     case = record_at(place, Case)
-    case.ground.known[0] = 1
+    case.ground.known[0] = case.ground.drawn[0] = 1
     return _lost(case, box, 0, 0, 1.0, 0.0, -0.5)
 
 
 def test_a_box_that_is_too_wide_for_the_map_loses_no_room() -> None:
     inputs = inputs_of("random", 12, 3, 0, REALISTIC)
     tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
-    case, _kept = _case(*tables, inputs.mapping.shape[1], inputs.least, 8)
+    case, _kept = _case(*tables, inputs.mapping.shape[1], inputs.aim, 8, maps=1)
     box = np.zeros(10)
     box[8:] = inputs.seen.center[0]
     assert not lost_in_a_wide_box(address(case), box)

@@ -95,6 +95,18 @@ def test_two_crossing_corridors_fix_the_placement() -> None:
     assert any(near(s.transform, MOTION.inverse()) for s in result.solutions)
 
 
+def test_corridors_that_are_in_no_plan_do_not_hide_the_rooms_beside_them() -> None:
+    rooms = [(0, 0, 4, 3), (20, 0, 5, 3.6), (40, 0, 3.3, 4.1)]
+    beside = [(0, 4, 9, 1.5), (20, 5, 9, 2.2), (40, 6, 9, 1.8)]
+    planned = [(3, -20, 9, 1.2), (22, -30, 9, 2.4), (30, -40, 9, 1.7), (41, -50, 9, 2.9)]
+    whole = building([*rooms, *beside, *planned])
+    sides = [r if k < 3 else Room(r.id, r.center, r.planes[2:]) for k, r in enumerate(whole.rooms)]
+    seen = whole.replace(rooms=tuple(sides))
+    prior = seen.replace(rooms=(*sides[:3], *sides[6:]))
+    result = match(transformed(seen, MOTION), prior)
+    assert any(near(s.transform, MOTION.inverse()) for s in result.solutions)
+
+
 def test_the_json_is_complete_and_strict() -> None:
     prior = building(RECTANGLES)
     found = match(transformed(prior, MOTION), prior).to_dict()

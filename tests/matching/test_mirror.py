@@ -6,6 +6,9 @@ import pytest
 
 from situgraph.experiments.certificate import congruent
 from situgraph.matching import MatchingConfig, PlanIndex, match
+from situgraph.matching.candidates import Known, find
+from situgraph.matching.mirror import aim_at
+from situgraph.matching.preparation import prepare
 from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
@@ -62,3 +65,23 @@ def test_a_mirror_image_that_fits_better_is_named() -> None:
             assert result.probability_mirrored <= result.probability_outside
             return
     pytest.fail("no sample fits the mirrored plan at all")
+
+
+@pytest.mark.parametrize("semantics", ["none", "likelihood"])
+@pytest.mark.parametrize("rooms", [3, 6])
+def test_the_bound_leaves_out_no_mirror_image_that_fits_well_enough(
+    rooms: int, semantics: str
+) -> None:
+    reached = 0
+    for seed in range(20):
+        building = make_layout("modular", 12, seed)
+        index = PlanIndex(mirrored(building) if seed % 2 else building)
+        online = sample_online(building, rooms, seed, REALISTIC).online
+        image = prepare(online, index, semantics, MatchingConfig()).mirrored()
+        every = find(image, image.aim, Known()).place[:, 4]
+        for below in (0.5, 5.0, 20.0):
+            least = float(every.max(initial=-100.0)) - below
+            some = find(image, aim_at(image, least), Known()).place[:, 4]
+            reached += len(every) > 0
+            assert some.max(initial=-100.0) >= every.max(initial=-100.0) - 0.1  # peaks differ a bit
+    assert reached > 0

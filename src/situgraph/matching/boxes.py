@@ -103,14 +103,16 @@ def shrink(case, box):
         case.task,
     )
     rooms = len(seen.storey)
-    counted = 0
+    counted, lost = 0, 0.0
     for r in range(rooms):
         options.count[r] = 0
         if _span(case, box, r):
             counted += 1
         else:
             spans.low[0, r] = math.inf
-            if spans.required[r] or counted + rooms - r - 1 < task.least:
+            lost += task.loss[r]
+            few = counted + rooms - r - 1 < task.least
+            if spans.required[r] or few or lost > task.budget:
                 return False
     if not _enough_apart(case):
         return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from situgraph.matching.entries import find_peaks
 from situgraph.matching.memory import Memory, stands, start_of
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.tables import CUT, Floats, Ints
+from situgraph.matching.tables import CUT, Aim, Floats, Ints
 
 
 class Peaks(NamedTuple):
@@ -31,23 +32,23 @@ class Known:
     def __init__(self, *, grows: bool = False) -> None:
         """Nothing is known yet."""
         self.grows = grows
-        self._peaks: dict[tuple[bool, int], Peaks] = {}
+        self._peaks: dict[bool, tuple[Aim, Peaks]] = {}
         self._memories: dict[bool, Memory] = {}
 
-    def by_walls(self, inputs: Inputs, least: int) -> Peaks:
-        """What the search finds; from memory where it was asked before."""
+    def by_walls(self, inputs: Inputs, aim: Aim) -> Peaks:
+        """What the search finds; from memory where as much was asked before."""
         if inputs.semantics == "containment":  # there, objects decide what is found
-            return self._search(inputs, least, traced=False)
-        key = (inputs.flipped, least)
-        if key not in self._peaks:
-            self._peaks[key] = self._search(inputs, least, traced=self.grows)
-        return self._peaks[key]
+            return self._search(inputs, aim, False)
+        before = self._peaks.get(inputs.flipped)
+        if before is None or not _holds(before[0], aim):
+            before = self._peaks[inputs.flipped] = (aim, self._search(inputs, aim, self.grows))
+        return before[1]
 
     def forget_peaks(self) -> None:
         """Rooms or planes are others now."""
         self._peaks = {}
 
-    def _search(self, inputs: Inputs, least: int, *, traced: bool) -> Peaks:
+    def _search(self, inputs: Inputs, aim: Aim, traced: bool) -> Peaks:
         rooms = len(inputs.kept)
         if not rooms or not inputs.index.rooms:
             nothing = np.zeros(rooms, dtype=np.int64)
@@ -60,22 +61,28 @@ class Known:
         tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
         before = self._memories.get(inputs.flipped) if traced else None
         kept = traced and stands(before, inputs)
-        start = start_of(before, inputs, least) if kept else None
-        found = find_peaks(*tables, inputs.mapping, least, start, traced=kept)
+        start = start_of(before, inputs, aim) if kept else None
+        found = find_peaks(*tables, inputs.mapping, aim, start, traced=kept)
         if start is not None and start.on and found[2][CUT]:
             start = start._replace(on=False)
-            found = find_peaks(*tables, inputs.mapping, least, start, traced=kept)
+            found = find_peaks(*tables, inputs.mapping, aim, start, traced=kept)
         place, alike, done, traces = found
         if traced:
-            self._memories[inputs.flipped] = Memory(inputs, least, traces)
+            self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
         shift = place[:, 0].astype(np.int64)
         place[:, 0] = inputs.shifts[shift]
         return Peaks(place, shift, alike, done)
 
 
-def find(inputs: Inputs, least: int, known: Known) -> Peaks:
-    """All peaks that explain at least so many rooms, objects included where they are evidence."""
-    peaks = known.by_walls(inputs, least)
+def _holds(one: Aim, two: Aim) -> bool:
+    """Whether all placements that the second aim is after are what the first is after too."""
+    share = one.budget / two.budget if two.budget > 0 else math.inf
+    return one.least <= two.least and bool((one.loss <= two.loss * share).all())
+
+
+def find(inputs: Inputs, aim: Aim, known: Known) -> Peaks:
+    """All peaks that are of account, objects included where they are evidence."""
+    peaks = known.by_walls(inputs, aim)
     place = peaks.place.copy()
     if len(place) and inputs.weighs_objects:
         at = np.ascontiguousarray(place[:, 1:4])

@@ -32,6 +32,7 @@ from situgraph.matching.tables import (
     LEFT,
     PEAKS,
     STAGE,
+    Aim,
     Bench,
     Case,
     Content,
@@ -52,17 +53,16 @@ from situgraph.matching.tables import (
     Tally,
     Task,
     View,
+    explaining,
 )
 from situgraph.matching.traces import Start, Traces, recall, traces_of
 from situgraph.matching.views import look
 
 WAITING = 64  # boxes of one pair of rooms that are put together
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
-FOUND = 8  # the place of ``Found`` among the records a case has to work in
-GROUND = 9  # and of ``Ground``
-TASK = 0  # and of ``Task``
+FOUND = 7  # the place of ``Found`` among the records a case has to work in
+GROUND = 8  # and of ``Ground``
 KEPT = {  # what is read and written outside of kernels: of which record, whether of two dimensions
-    "judged": (TASK, False),
     "alike": (FOUND, False),
     "like": (FOUND, True),
     "word": (GROUND, False),
@@ -108,7 +108,7 @@ def find_peaks(
     limits: Limits,
     content: Content,
     shifts: Ints,
-    least: int,
+    aim: Aim,
     start: Start | None = None,
     *,
     traced: bool = False,
@@ -127,7 +127,7 @@ def find_peaks(
     maps = len(shifts) if traced else 1
     while True:
         tables = (seen, plan, limits, content)
-        case, kept = _case(*tables, shifts.shape[1], least, most, boxes=boxes, maps=maps)
+        case, kept = _case(*tables, shifts.shape[1], aim, most, boxes=boxes, maps=maps)
         kept["base"][0] = plan.row[0, 3] - seen.angle[0]
         if start is not None:
             recall(kept, start)
@@ -162,7 +162,8 @@ def views_at(
     Storeys are shifted by the rows ``shift`` (k,) of ``shifts``. Returns ``View``'s fields, a
     placement a row.
     """
-    case, _kept = _case(seen, plan, limits, content, shifts.shape[1], 0, 0)
+    aim = explaining(0, len(seen.storey))
+    case, _kept = _case(seen, plan, limits, content, shifts.shape[1], aim, 0)
     rooms, rows, n = len(seen.storey), len(seen.angle), len(at)
     values, _ = allocated(View, (n * rooms, n * rows, n * rows, n * rows, n * rows))
     made = View(values[0].reshape(n, rooms), *(v.reshape(n, rows) for v in values[1:]))
@@ -179,7 +180,7 @@ def _case(
     limits: Limits,
     content: Content,
     storeys: int,
-    least: int,
+    aim: Aim,
     peaks: int,
     *,
     boxes: int = 0,
@@ -195,14 +196,13 @@ def _case(
     view = (rooms, rows, rows, rows, rows)
     words = 4 * maps * rooms * int(plan.cells.prod())
     work: list[tuple[Any, Any]] = [
-        (Task, (least, storeys, rooms)),
         (Finder, (prior, prior, 1)),
         (Bench, (*[plane_work] * 3, widest, widest + 1, *[widest] * 5, *[plane_work[1]] * 6)),
         (Options, (room_work, room_work, rooms, prior)),
         (Pairing, (*[columns] * 7, *[rooms] * 3)),
         (Tally, ((seen.planes, 8), seen.planes)),
         (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
-        (Groups, (rooms + 2, *[rooms] * 5, 1)),
+        (Groups, (rooms + 2, *[rooms] * 5, 2)),
         (
             Found,
             (
@@ -222,10 +222,12 @@ def _case(
         (View, view),
     ]
     room, block, begins = arranged(work)
-    tables = (seen.slots, plan.slots, _limits(limits), content.slots)
+    storey, judged = np.zeros(storeys, dtype=np.int64), np.zeros(rooms, dtype=np.int64)
+    task = slots_of(Task, (aim.least, aim.budget, storey, judged, aim.loss))
+    tables = (seen.slots, plan.slots, _limits(limits), content.slots, task)
     start = address(block)
     places = [*map(address, tables), *(start + WORD * k for k in begins)]
-    kept = {"room": room, "block": block, "tables": tables}
+    kept = {"room": room, "block": block, "tables": (tables, storey, aim), "judged": judged}
     for name, (record, wide) in KEPT.items():
         declared = work[record][0]
         at = begins[record] + layout(declared)[name].slot

@@ -13,6 +13,7 @@ import numpy as np
 from situgraph.geometry.poses import Placement
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.result import MatchResult
+from situgraph.matching.tables import explaining
 from situgraph.scenegraph.graph import Object, Room, SceneGraph
 
 Stage = Literal["type", "semantic", "geometric", "placement", "likelihood", "matched"]
@@ -118,7 +119,7 @@ def _alone(inputs: Inputs, one: Room, two: Room) -> list[Placement]:
     config = msgspec.structs.replace(inputs.config, rival_ratio=0.0)
     index = PlanIndex(inputs.index.prior.replace(rooms=(two,)), config)
     pair = prepare(inputs.online.replace(rooms=(one,)), index, inputs.semantics, config)
-    place = find(pair, 1, Known()).place
+    place = find(pair, explaining(1, len(pair.kept)), Known()).place
     best = place[np.argsort(-place[:, 4], kind="stable")][:MOST_PLACES]
     found = []
     for z, yaw, x, y, _ in best.tolist():

@@ -31,7 +31,7 @@ from situgraph.matching.explained import SLACK
 from situgraph.matching.hypotheses import next_pair_box, next_plain_box
 from situgraph.matching.plain import QUARTER, plain_pair
 from situgraph.matching.records import scratch
-from situgraph.matching.tables import WORK
+from situgraph.matching.tables import MAPPED, WORK
 
 REACH = 1.0  # metres by which the centre may lie elsewhere in a box
 STEP = 0.7  # metres that the farthest room moves, about, in half of a part of the yaws
@@ -44,26 +44,35 @@ BITS = 64  # cells of a word
 
 @part
 def lay(case):
-    """Draw the maps of the present shift of the storeys, but for those drawn before."""
-    seen, plan, ground, task = case.seen, case.plan, case.ground, case.task
-    words = 4 * plan.cells[0] * plan.cells[1]
+    """Tell which rooms have a map for the present shift of the storeys: drawn when asked for."""
+    seen = case.seen
     for r in range(len(seen.storey)):
-        storey = task.storeys[seen.storey[r]]
-        ground.known[r] = 1 if storey < 0 or _tells(case, r) else 0
-        slot = ground.part[0] + r
-        if ground.drawn[slot]:
-            continue
-        ground.drawn[slot] = 1
-        for k in range(slot * words, (slot + 1) * words):
-            ground.word[k] = 0
-        if storey < 0 or not ground.known[r]:
-            continue
-        for a in range(len(plan.storey)):
-            if plan.storey[a] == storey and may_be(case, r, a):
-                if plain_pair(case, r, a):
-                    _enter_plain(case, r, a)
-                else:
-                    _enter(case, r, a)
+        tells = case.task.storeys[seen.storey[r]] < 0 or _tells(case, r)
+        case.ground.known[r] = 1 if tells else 0
+
+
+@part
+def _draw(case, r):
+    """Draw the map of a room."""
+    plan, ground = case.plan, case.ground
+    storey, slot = case.task.storeys[case.seen.storey[r]], ground.part[0] + r
+    words = 4 * plan.cells[0] * plan.cells[1]
+    ground.drawn[slot] = 1
+    for k in range(slot * words, (slot + 1) * words):
+        ground.word[k] = 0
+    if storey < 0:
+        return
+    along, kept = case.found.along, scratch(8)
+    for k in range(8):  # the search is among the boxes of another pair of rooms
+        kept[k] = along[k >> 2, k & 3]
+    for a in range(len(plan.storey)):
+        if plan.storey[a] == storey and may_be(case, r, a):
+            if plain_pair(case, r, a):
+                _enter_plain(case, r, a)
+            else:
+                _enter(case, r, a)
+    for k in range(8):
+        along[k >> 2, k & 3] = kept[k]
 
 
 @part
@@ -175,7 +184,7 @@ def enough(case, box, g):
     False when nothing is left.
     """
     groups = case.groups
-    far = groups.apart[groups.told[0] - 1] if groups.told[0] else 0.0
+    far = groups.apart[groups.told[MAPPED] - 1] if groups.told[MAPPED] else 0.0
     parts = scratch(PARTS)
     half = box[TURN] / 2
     parts[0], parts[1], parts[2], parts[3] = -half, half, half, half
@@ -205,15 +214,15 @@ def enough(case, box, g):
 def _enough_at(case, box, g, yaw, half):
     """The same for yaws up to ``half`` from ``yaw``."""
     groups, task = case.groups, case.task
-    left = len(groups.order) - task.least
+    left = task.budget
     c, s = math.cos(yaw), math.sin(yaw)
     quarter = _quarter(case.ground, yaw)
     farthest = (REACH - radius(box)) / (2 * math.sin(half / 2) + 1e-12)
-    for k in range(groups.told[0]):
+    for k in range(groups.told[MAPPED]):
         if groups.apart[k] > farthest:
             break
         if _lost(case, box, groups.order[k], quarter, c, s, farthest):
-            left -= 1
+            left -= task.loss[groups.order[k]]
             if left < 0:
                 return False
     return True
@@ -226,5 +235,7 @@ def _lost(case, box, r, quarter, c, s, farthest):
     gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
     if not case.ground.known[r] or math.sqrt(gx * gx + gy * gy) > farthest:
         return False
+    if not case.ground.drawn[case.ground.part[0] + r]:
+        _draw(case, r)
     x, y = box[PX] + c * gx - s * gy, box[PY] + s * gx + c * gy
     return not _lies(case, r, quarter, x, y)

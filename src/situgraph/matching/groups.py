@@ -1,7 +1,8 @@
 """Disjoint groups of online rooms, one of which every feasible placement explains as a whole.
 
 A feasible placement leaves at most N - K rooms unexplained, so of N - K + 1 disjoint groups at
-least one is explained wholly. Each group has an anchor, from which placements are hypothesised,
+least one is explained wholly. So it is where rooms lose unequally, once the groups together lose
+more than a placement may. Each group has an anchor, from which placements are hypothesised,
 and partners near it, which reject most of them at once.
 """
 
@@ -12,53 +13,57 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
+from situgraph.matching.containment import may_be
+from situgraph.matching.tables import MADE, MAPPED
 
-FREE, ASIDE = -1, -2  # rooms of no group: that may go to one, and that may not
+FREE, ASIDE, NOWHERE = -1, -2, -3  # of no group: it may go to one, may not, nothing explains it
 
 
 @part
-def form_groups(case, count, fresh):
-    """At most ``count`` groups around rooms whose planes are not parallel, the rarest first.
+def form_groups(case, budget, fresh):
+    """Groups around rooms whose planes are not parallel, until they lose more than ``budget``.
 
-    ``fresh``: only of rooms that no earlier search knew. Returns how many; there are fewer when
-    fewer rooms can be anchors.
+    Those that save most effort first; ``fresh``: only of rooms that no earlier search knew. Returns
+    what the anchors and the rooms that nothing explains lose together. Where that is not more, too
+    few rooms can be anchors, and the groups are the anchors alone.
     """
-    seen, groups = case.seen, case.groups
+    seen, groups, loss = case.seen, case.groups, case.task.loss
     rooms = len(seen.storey)
     group, anchors, first, member = groups.group, groups.anchor, groups.first, groups.member
-    left = 0
+    lost, made = 0.0, 0
     for r in range(rooms):
         group[r] = FREE
         if fresh and case.task.judged[r]:
             group[r] = ASIDE
-        else:
-            left += 1
-    made = 0
-    while made < count:
-        best = -1
+        elif not _somewhere(case, r):
+            group[r] = NOWHERE
+            lost += loss[r]
+    while lost <= budget:
+        best, least = -1, math.inf
         for r in range(rooms):
-            if (
-                not seen.flat[r]
-                and group[r] == FREE
-                and (best < 0 or _effort(case, r) < _effort(case, best))
-            ):
-                best = r
+            if not seen.flat[r] and group[r] == FREE:
+                effort = _effort(case, r) / loss[r]
+                if effort < least:
+                    best, least = r, effort
         if best < 0:
             break
         group[best] = made
         anchors[made] = best
+        lost += loss[best]
         made += 1
+    groups.told[MADE] = made
     first[0] = 0
     for g in range(made):
         first[g + 1] = 1
-    left -= made
-    while left > 0 and made > 0:
+    joined = lost > budget
+    while joined:
+        joined = False
         for g in range(made):
-            near = _nearest(case, anchors[g], group)
+            near = _nearest(case, anchors[g])
             if near >= 0:
                 group[near] = g
                 first[g + 1] += 1
-                left -= 1
+                joined = True
     for g in range(made):
         first[g + 1] += first[g]
         member[first[g]] = anchors[g]
@@ -73,7 +78,7 @@ def form_groups(case, count, fresh):
                     k -= 1
                 member[k] = r
                 at += 1
-    return made
+    return lost
 
 
 @part
@@ -91,7 +96,7 @@ def sort_rooms(case, anchor):
         groups.apart[k] = away
         groups.order[k] = r
         count += 1
-    groups.told[0] = count
+    groups.told[MAPPED] = count
 
 
 @part
@@ -112,9 +117,23 @@ def _apart(case, one, two):
 
 
 @part
-def _nearest(case, anchor, group):
-    best = -1
+def _nearest(case, anchor):
+    """The nearest room that is in no group yet, and by which the group would lose no less."""
+    group, loss, best = case.groups.group, case.task.loss, -1
     for r in range(len(group)):
-        if group[r] == FREE and (best < 0 or _apart(case, anchor, r) < _apart(case, anchor, best)):
+        if group[r] != FREE or loss[r] < loss[anchor]:
+            continue
+        if best < 0 or _apart(case, anchor, r) < _apart(case, anchor, best):
             best = r
     return best
+
+
+@part
+def _somewhere(case, r):
+    """Whether any prior room of its storey explains a room in isolation."""
+    plan, storey = case.plan, case.task.storeys[case.seen.storey[r]]
+    if storey >= 0:
+        for a in range(len(plan.storey)):
+            if plan.storey[a] == storey and may_be(case, r, a):
+                return True
+    return False

@@ -64,7 +64,7 @@ def match_knowing(
     announce_compilation(find_peaks)
     inputs = prepare(online, index, semantics, settings)
     searched = time.perf_counter()
-    peaks = find(inputs, inputs.least, known)
+    peaks = find(inputs, inputs.aim, known)
     outside = log_outside(peaks.alike, inputs.seen, index.rooms, settings)
     filtered = semantics == "containment"
     posterior = judge(peaks.place, peaks.shift, outside, index.area, settings, filtered=filtered)

@@ -8,7 +8,7 @@ import numpy as np
 
 from situgraph.matching.boxes import AX, AY
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.tables import Ints
+from situgraph.matching.tables import Aim, Ints
 from situgraph.matching.traces import Start, Traces
 
 
@@ -25,7 +25,7 @@ def stands(memory: Memory | None, inputs: Inputs) -> bool:
     return memory is None or bool((_rows(memory.inputs, inputs) >= 0).any())
 
 
-def start_of(memory: Memory | None, inputs: Inputs, least: int) -> Start | None:
+def start_of(memory: Memory | None, inputs: Inputs, aim: Aim) -> Start | None:
     """What ``memory`` says of a search to come, None where that is nothing.
 
     A placement outside of the cover explains fewer of the former rooms than the former search was
@@ -38,12 +38,13 @@ def start_of(memory: Memory | None, inputs: Inputs, least: int) -> Start | None:
     row = _rows(memory.inputs, inputs)
     traces, shifts = memory.traces, len(inputs.mapping)
     former = memory.inputs.seen
-    wanted = len(row) - len(former.storey) - least + memory.least
+    wanted = len(row) - len(former.storey) - aim.least + memory.least
     able = int((inputs.seen.flat[row < 0] == 0).sum())
     on = (
         traces.cover is not None
+        and not inputs.flipped  # there, rooms lose unequally
         and int((row >= 0).sum()) == len(former.storey)
-        and int(former.flat.sum()) < memory.least <= least
+        and int(former.flat.sum()) < memory.least <= aim.least
         and wanted <= able
     )
     if not on:

@@ -14,8 +14,11 @@ import numpy as np
 from situgraph.matching.candidates import Known, find
 from situgraph.matching.posterior import Posterior, log_spread
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.semantics import most_evidence
-from situgraph.matching.tables import Floats
+from situgraph.matching.semantics import in_one_room, most_evidence
+from situgraph.matching.tables import Aim, Floats
+
+SLACK = 1e-6  # of L, for rounding
+LEAST_LOSS = 1e-9  # of a room, above zero
 
 
 def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[float, bool]:
@@ -28,13 +31,12 @@ def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[floa
         return -math.inf, True
     log_prior = math.log(config.mirror_prior) + log_spread(inputs.index.area, config)
     least = _least_that_matters(posterior, config.unique_probability) - log_prior
-    rooms = _least_rooms(inputs, least)
-    if rooms > len(inputs.kept):
+    aim = aim_at(inputs, least)
+    if aim.budget < 0:
         return -math.inf, True
-    image = inputs.mirrored()
-    peaks = find(image, rooms, known)
+    peaks = find(inputs.mirrored(), aim, known)
     best = float(peaks.place[:, 4].max(initial=-math.inf))
-    return log_prior + best, not peaks.done[3]
+    return log_prior + best if best >= least else -math.inf, not peaks.done[3]
 
 
 def _least_that_matters(posterior: Posterior, sure: float) -> float:
@@ -44,24 +46,27 @@ def _least_that_matters(posterior: Posterior, sure: float) -> float:
     return posterior.total + (math.log(room) if room > 0 else -math.inf)
 
 
-def _least_rooms(inputs: Inputs, least: float) -> int:
-    """How many rooms must be explained for L to reach ``least``; N + 1 when all are not enough."""
-    limits, losses = inputs.limits, np.sort(_losses(inputs))
-    rooms = len(inputs.kept)
-    most = inputs.seen.planes * limits.fit_peak + rooms * limits.room_true
+def aim_at(inputs: Inputs, least: float) -> Aim:
+    """The placements of the mirror image whose L may reach ``least``."""
+    limits, rooms = inputs.limits, len(inputs.kept)
+    most = inputs.seen.planes * limits.fit_peak + rooms * max(limits.room_true, limits.room_false)
+    loss = _losses(inputs)
     if inputs.weighs_objects:
-        most += most_evidence(inputs.objects, inputs.rates)
-    if most < least:
-        return rooms + 1
-    spared = int((most - np.cumsum(losses) >= least).sum())
-    return max(inputs.least, rooms - spared)
+        alone, together = most_evidence(inputs.objects, inputs.rates)
+        most += float(alone.sum()) + together
+        loss += in_one_room(inputs.objects, alone, rooms)
+    budget = most - least + SLACK
+    spared = int((np.cumsum(np.sort(loss)) <= budget).sum())
+    # Rooms that lose more than most are not told apart, so that groups can be formed of any.
+    return Aim(max(inputs.least, rooms - spared), np.minimum(loss, np.median(loss)), budget)
 
 
 def _losses(inputs: Inputs) -> Floats:
-    """What each online room at least takes from the largest L when it is not explained (N,)."""
-    seen, limits = inputs.seen, inputs.limits
-    room = np.repeat(np.arange(len(inputs.kept)), np.diff(seen.first))
+    """What each online room's walls at least take from the largest L when it is not explained."""
+    seen, limits, rooms = inputs.seen, inputs.limits, len(inputs.kept)
+    room = np.repeat(np.arange(rooms), np.diff(seen.first))
     # A plane that other rooms share may still fit in those.
     occurrences = np.bincount(seen.plane, minlength=seen.planes)
-    own = np.bincount(room[occurrences[seen.plane] == 1], minlength=len(inputs.kept))
-    return np.asarray(limits.room_true - limits.room_false + own * limits.fit_peak, dtype=float)
+    own = np.bincount(room[occurrences[seen.plane] == 1], minlength=rooms)
+    lost = max(limits.room_true - limits.room_false, 0.0)
+    return np.asarray(lost + LEAST_LOSS + own * limits.fit_peak, dtype=float)

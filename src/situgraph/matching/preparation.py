@@ -16,7 +16,7 @@ from situgraph.matching.reading import limits_of, plan_lines, raw_rooms, seen_ta
 from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
 from situgraph.matching.sightings import Rates, weigh
 from situgraph.matching.storeys import storey_shifts
-from situgraph.matching.tables import Content, Floats, Ints, Limits, Seen, View
+from situgraph.matching.tables import Aim, Content, Floats, Ints, Limits, Seen, View, explaining
 from situgraph.scenegraph.graph import SceneGraph
 
 
@@ -53,6 +53,11 @@ class Inputs:
     def least(self) -> int:
         """K: how many rooms a candidate explains at least."""
         return self.config.least_rooms(len(self.kept))
+
+    @property
+    def aim(self) -> Aim:
+        """What a candidate has to explain."""
+        return explaining(self.least, len(self.kept))
 
     @property
     def weighs_objects(self) -> bool:

@@ -40,7 +40,7 @@ from situgraph.matching.cover import (
 )
 from situgraph.matching.explained import may_explain, wrapped
 from situgraph.matching.ground import enough, lay, partners_lie
-from situgraph.matching.groups import form_groups, sort_rooms
+from situgraph.matching.groups import NOWHERE, form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
     copy_box,
     join,
@@ -60,6 +60,7 @@ from situgraph.matching.tables import (
     BOXES,
     CUT,
     HELD,
+    MADE,
     OUTLINING,
     PEAKS,
     STAGE,
@@ -82,12 +83,11 @@ def search(case):
     """Find the peaks of all feasible placements for one shift of the storeys."""
     if case.found.count[STAGE] == WITHIN and case.found.count[HELD] == 0:
         return
-    wanted = len(case.seen.storey) - case.task.least + 1
-    made = form_groups(case, wanted, False)
+    lost = form_groups(case, case.task.budget, False)
     lay(case)
-    _search_groups(case, made)
-    if made < wanted:
-        _corridors(case, made)
+    _search_groups(case)
+    if lost <= case.task.budget:
+        _corridors(case, lost)
 
 
 @part
@@ -104,9 +104,9 @@ def outline(case, cover, begin, end, wanted):
     for k in range(begin, end):
         _hold(case, cover[k])
     if wanted > 0:
-        made = form_groups(case, wanted, True)
+        form_groups(case, wanted - 1.0, True)
         lay(case)
-        _search_groups(case, made)
+        _search_groups(case)
     count[STAGE] = WITHIN if count[HELD] <= len(case.found.region) else ANYWHERE
 
 
@@ -122,11 +122,11 @@ def _hold(case, start):
 
 
 @part
-def _search_groups(case, made):
+def _search_groups(case):
     """All placements that explain one of the groups."""
     seen, plan, spans, task, groups = case.seen, case.plan, case.spans, case.task, case.groups
     rooms = len(seen.storey)
-    for g in range(made):
+    for g in range(groups.told[MADE]):
         r = groups.member[groups.first[g]]
         storey = task.storeys[seen.storey[r]]
         for m in range(rooms):
@@ -239,10 +239,11 @@ def _partners(case, box, g):
 
 
 @part
-def _corridors(case, anchors):
+def _corridors(case, lost):
     """Placements that explain no room but such of parallel planes: two of them in two directions.
 
-    All anchors are unexplained then, so of this many corridors one at least is explained.
+    All others are unexplained then, which lose so much; of as many corridors as lose more with
+    them than the budget, one at least is explained.
     """
     seen, limits, spans, task = (
         case.seen,
@@ -251,12 +252,11 @@ def _corridors(case, anchors):
         case.task,
     )
     rooms = len(seen.storey)
-    needed = rooms - task.least - anchors + 1
     box = scratch(SIDES)
     for r in range(rooms):
-        if not seen.flat[r] or needed <= 0:
+        if not seen.flat[r] or case.groups.group[r] == NOWHERE or lost > task.budget:
             continue
-        needed -= 1
+        lost += task.loss[r]
         for q in range(rooms):
             turn = abs(math.sin(seen.angle[seen.first[r]] - seen.angle[seen.first[q]]))
             # Of two directions that differ by the least sine, one differs half as

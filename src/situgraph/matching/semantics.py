@@ -126,17 +126,25 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
     )
 
 
-def most_evidence(seen: SeenObjects, rates: Rates) -> float:
-    """An upper bound on the log ratio: every online object at its place and on its wall.
+def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[Floats, float]:
+    """An upper bound on the log ratio: what each online object adds, and what walls add.
 
-    Prior objects that were missed only lower it, and so does a wall whose objects are told apart.
+    Each is at its place and on its wall, or of no account. Prior objects that were missed only
+    lower the sum, and so does a wall whose objects are told apart.
     """
     table = seen.table
     near = math.log(rates.bell + rates.disc) - rates.share
     claim = near + np.maximum(np.maximum(rates.hit, rates.confusion), rates.duplicate)
-    alone = float(np.maximum(claim, rates.false)[table.category].sum())
+    alone: Floats = np.maximum(np.maximum(claim, rates.false), 0.0)[table.category]
     rows = int(table.row.max(initial=-1)) + 1
-    return alone + float(most_shared(table.row_first, table.row, rows, rates.shared))
+    return alone, float(most_shared(table.row_first, table.row, rows, rates.shared))
+
+
+def in_one_room(seen: SeenObjects, value: Floats, rooms: int) -> Floats:
+    """The sums of a value over the objects that are in one room only, by room (N,)."""
+    first, room = seen.table.room_first, seen.table.room
+    alone = np.diff(first) == 1
+    return np.asarray(np.bincount(room[first[:-1][alone]], value[alone], rooms), dtype=float)
 
 
 def _packed(lists: Iterable[list[int]]) -> tuple[Ints, Ints]:

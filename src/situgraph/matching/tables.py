@@ -20,6 +20,7 @@ IntTable = Annotated[Ints, 2]
 CountTable = Annotated[NDArray[np.int16], 2]
 
 FIT, MOVED, MISSING = 0, 1, 2  # states of an online plane
+MADE, MAPPED = range(2)  # what ``Groups.told`` tells
 # What a search counts; CUT is 1 when it was cut short, LEFT and HELD are boxes of ``cover`` and
 # ``region``, STAGE is one of those below.
 PEAKS, TRIED, BOXES, CUT, WORK, LEFT, HELD, STAGE = range(8)
@@ -119,12 +120,27 @@ class Content(NamedTuple):
     slots: Ints  # its block (``records``)
 
 
+class Aim(NamedTuple):
+    """Which placements are of account."""
+
+    least: int  # rooms they explain at least
+    loss: Floats  # (N,) above zero: what each online room loses when it is not explained
+    budget: float  # what the rooms that are not explained may lose together, at most
+
+
+def explaining(least: int, rooms: int) -> Aim:
+    """All placements that explain at least so many of the rooms."""
+    return Aim(least, np.ones(rooms), rooms - least)
+
+
 class Task(NamedTuple):
     """What one pass of the search is after."""
 
     least: int  # rooms to be explained
+    budget: float  # what a placement may lose, at most
     storeys: Ints  # (U,) the prior storey of each online storey, -1 for none
     judged: Ints  # (N,) whether an earlier search knew a room
+    loss: Floats  # (N,) what each online room loses when it is not explained
 
 
 class View(NamedTuple):
@@ -230,7 +246,7 @@ class Groups(NamedTuple):
     anchor: Ints  # (N,) of each group
     order: Ints  # (N,) rooms that have a map, the nearest to the present group's anchor first
     apart: Floats  # (N,) how far they are
-    told: Ints  # (1,) how many they are
+    told: Ints  # (2,) how many groups, and how many rooms that have a map
 
 
 class Ground(NamedTuple):

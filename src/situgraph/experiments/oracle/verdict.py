@@ -42,7 +42,8 @@ def judge(
     """The answer for these candidates; ``mirrored`` is worked out when it is asked.
 
     Whether the plan is mirrored is asked only of what would be unique, and not where that would
-    stay unique if the mirror image were explained as well as can be.
+    stay unique if the mirror image were explained as well as can be; it counts where it changes
+    the verdict.
     """
     judged = _judged(problem, candidates, outside)
     c = problem.constants
@@ -54,8 +55,8 @@ def judge(
         return judged
     if mirrored is None:
         mirrored = log_weight_mirrored(problem)
-    judged = _judged(problem, candidates, float(np.logaddexp(outside, mirrored)))
-    return replace(judged, mirrored=mirrored)
+    beside = _judged(problem, candidates, float(np.logaddexp(outside, mirrored)))
+    return replace(judged if beside.verdict == "unique" else beside, mirrored=mirrored)
 
 
 def _judged(problem: Problem, candidates: Sequence[Candidate], outside: float) -> Answer:
