@@ -12,11 +12,12 @@ from situgraph.experiments.oracle.comparison import compare
 from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.matching import MatchingConfig, PlanIndex, match
+from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry
-from situgraph.matching.entries import _case
+from situgraph.matching.entries import given_of, sizes_of
 from situgraph.matching.ground import _lost
 from situgraph.matching.preparation import Inputs, prepare
-from situgraph.matching.records import address, record_at
+from situgraph.matching.records import record_at
 from situgraph.matching.tables import Case
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
@@ -50,10 +51,11 @@ def lost_in_a_wide_box(place, box):  # type: ignore[no-untyped-def]
 def test_a_box_that_is_too_wide_for_the_map_loses_no_room() -> None:
     inputs = inputs_of("random", 12, 3, 0, REALISTIC)
     tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
-    case, _kept = _case(*tables, inputs.mapping.shape[1], inputs.aim, 8, maps=1)
+    sizes = sizes_of(inputs.seen, inputs.index.table, inputs.mapping.shape[1], 8, maps=1)
+    case = Block(Case, sizes, **given_of(*tables, inputs.aim))
     box = np.zeros(10)
     box[8:] = inputs.seen.center[0]
-    assert not lost_in_a_wide_box(address(case), box)
+    assert not lost_in_a_wide_box(case.place, box)
 
 
 def test_the_boxes_of_one_pair_of_rooms_do_not_narrow_each_other() -> None:

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import part
-from situgraph.matching.records import slots_of
 from situgraph.matching.tables import Content, Ints
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -88,7 +88,7 @@ def content_of(online: SceneGraph, stock: Stock, kept: Ints, first: Ints, source
 
 
 def _content(*values: Ints | Counts) -> Content:
-    return Content(*values, slots_of(Content, values))  # type: ignore[call-arg, arg-type]
+    return Content(*values, Block.of(Content, values))  # type: ignore[call-arg, arg-type]
 
 
 def _counts(

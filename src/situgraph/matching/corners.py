@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.records import address, record_at, slots_of
+from situgraph.matching.records import record_at
 from situgraph.matching.tables import Floats, Ints, Short, Table
 
 NEAR_CELL, NEAR_REACH = 1.0, 1.5
@@ -160,11 +161,9 @@ def corner_table(
     work = np.empty((MOST_CORNERS, 3))
     tables = (first, row, storey)
     sizes = (*corners, work, cell, reach, slack, least, bits)
-    block = slots_of(Entering, (*tables, start, entry, tag, *sizes))
-    enter_corners(address(block))
+    enter_corners(Block.of(Entering, (*tables, start, entry, tag, *sizes)).place)
     np.cumsum(start, out=start)
     entry, tag = (np.empty(int(start[-1]), dtype=np.int32) for _ in range(2))
     at = start.copy()
-    block = slots_of(Entering, (*tables, at, entry, tag, *sizes))
-    enter_corners(address(block))
+    enter_corners(Block.of(Entering, (*tables, at, entry, tag, *sizes)).place)
     return start, entry, tag

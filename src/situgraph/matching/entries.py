@@ -4,26 +4,17 @@
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from situgraph.matching.blocks import Block
 from situgraph.matching.boxes import SIDES
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.hypotheses import fits_somewhere
 from situgraph.matching.peaks import feasible, raised
-from situgraph.matching.records import (
-    WORD,
-    address,
-    allocated,
-    arranged,
-    layout,
-    record_at,
-    scratch,
-    slots_of,
-)
+from situgraph.matching.records import record_at, scratch
 from situgraph.matching.represented import add_peak
 from situgraph.matching.search import outline, search
 from situgraph.matching.tables import (
@@ -33,25 +24,15 @@ from situgraph.matching.tables import (
     PEAKS,
     STAGE,
     Aim,
-    Bench,
     Case,
     Content,
-    Finder,
     Floats,
-    Found,
-    Ground,
-    Groups,
     Ints,
     IntTable,
     Limits,
-    Options,
-    Pairing,
     Plan,
     Seen,
-    Spans,
     Table,
-    Tally,
-    Task,
     View,
     explaining,
 )
@@ -60,15 +41,6 @@ from situgraph.matching.views import look
 
 WAITING = 64  # boxes of one pair of rooms that are put together
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
-FOUND = 7  # the place of ``Found`` among the records a case has to work in
-GROUND = 8  # and of ``Ground``
-KEPT = {  # what is read and written outside of kernels: of which record, whether of two dimensions
-    "alike": (FOUND, False),
-    "like": (FOUND, True),
-    "word": (GROUND, False),
-    "base": (GROUND, False),
-    "drawn": (GROUND, False),
-}
 ROOM = 1024  # for peaks, to begin with
 COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
 
@@ -78,11 +50,11 @@ class Search(NamedTuple):
 
     case: Case
     shifts: IntTable  # (k, U)
-    shift: Ints  # (c,) of each peak
-    place: Table  # (c, 4) yaw, x, y, L
-    count: Ints  # type: ignore[assignment]  # (8,) ``PEAKS`` to ``STAGE``
-    left: Table  # (k, SIDES) the cover
-    left_shift: Ints  # (k,) of each of its boxes
+    shift: Annotated[Ints, "peaks"]
+    place: Annotated[Floats, "peaks", 4]  # yaw, x, y, L
+    count: Annotated[Ints, 8]  # type: ignore[assignment]  # ``PEAKS`` to ``STAGE``
+    left: Annotated[Floats, "boxes", "sides"]  # the cover
+    left_shift: Annotated[Ints, "boxes"]
     known: Table  # (g, SIDES) the cover of an earlier search
     known_first: Ints  # (shifts + 1,) where that of each shift begins; empty without one
     wanted: int  # groups of new rooms
@@ -95,11 +67,11 @@ class Sights(NamedTuple):
     shifts: IntTable
     shift: Ints  # (k,)
     place: Table  # (k, 3)
-    room: IntTable
-    row: IntTable
-    state: IntTable
-    offset: Table
-    bend: Table
+    room: Annotated[Ints, "k", "N"]
+    row: Annotated[Ints, "k", "P"]
+    state: Annotated[Ints, "k", "P"]
+    offset: Annotated[Floats, "k", "P"]
+    bend: Annotated[Floats, "k", "P"]
 
 
 def find_peaks(
@@ -121,30 +93,26 @@ def find_peaks(
     """
     most = ROOM
     boxes = min(COVER * (len(plan.storey) + COVER), MOST_COVER) if traced else 0
-    known, first, wanted = _NOTHING
+    given = given_of(seen, plan, limits, content, aim)
+    known, first, wanted = None, None, 0
     if start is not None and start.on:
         known, first, wanted = start.cover, start.first, start.wanted
     maps = len(shifts) if traced else 1
     while True:
-        tables = (seen, plan, limits, content)
-        case, kept = _case(*tables, shifts.shape[1], aim, most, boxes=boxes, maps=maps)
-        kept["base"][0] = plan.row[0, 3] - seen.angle[0]
+        sizes = sizes_of(seen, plan, shifts.shape[1], most, boxes=boxes, maps=maps)
+        block = Block(
+            Search, sizes, shifts=shifts, known=known, known_first=first, wanted=wanted, **given
+        )
+        block.array("case.ground.base")[0] = plan.row[0, 3] - seen.angle[0]
         if start is not None:
-            recall(kept, start)
-        shapes = (0, (0, 0), most, (most, 4), 8, (boxes, SIDES), boxes, (0, 0), 0, 0)
-        values, _ = allocated(Search, shapes)
-        search = Search(case, shifts, *values[2:7], known, first, wanted)  # type: ignore[call-arg]
-        block = slots_of(Search, search)
-        search_all(address(block))
-        count = search.count
+            recall(block, start)
+        search_all(block.place)
+        count: Ints = block.array("count").copy()
         if count[PEAKS] <= most:
             found = int(count[PEAKS])
-            peaks = np.column_stack([search.shift[:found], search.place[:found]])
-            alike: Ints = kept["alike"]
-            traces = None
-            if traced:
-                traces = traces_of(kept, count, search.left, search.left_shift, len(shifts))
-            return peaks, alike, count, traces
+            peaks = np.column_stack([block.array("shift")[:found], block.array("place")[:found]])
+            alike: Ints = block.array("case.found.alike").copy()
+            return peaks, alike, count, traces_of(block, len(shifts)) if traced else None
         most *= 16
 
 
@@ -162,87 +130,58 @@ def views_at(
     Storeys are shifted by the rows ``shift`` (k,) of ``shifts``. Returns ``View``'s fields, a
     placement a row.
     """
-    aim = explaining(0, len(seen.storey))
-    case, _kept = _case(seen, plan, limits, content, shifts.shape[1], aim, 0)
-    rooms, rows, n = len(seen.storey), len(seen.angle), len(at)
-    values, _ = allocated(View, (n * rooms, n * rows, n * rows, n * rows, n * rows))
-    made = View(values[0].reshape(n, rooms), *(v.reshape(n, rows) for v in values[1:]))
-    at = np.ascontiguousarray(at, dtype=np.float64)
-    shift = np.ascontiguousarray(shift, dtype=np.int64)
-    block = slots_of(Sights, (case, shifts, shift, at, *made))
-    look_all(address(block))
-    return made
+    sizes = sizes_of(seen, plan, shifts.shape[1], 0) | {"k": len(at)}
+    block = Block(
+        Sights,
+        sizes,
+        shifts=shifts,
+        shift=np.ascontiguousarray(shift, dtype=np.int64),
+        place=np.ascontiguousarray(at, dtype=np.float64),
+        **given_of(seen, plan, limits, content, explaining(0, len(seen.storey))),
+    )
+    look_all(block.place)
+    return View(*map(block.array, View._fields))
 
 
-def _case(
-    seen: Seen,
-    plan: Plan,
-    limits: Limits,
-    content: Content,
-    storeys: int,
-    aim: Aim,
-    peaks: int,
-    *,
-    boxes: int = 0,
-    maps: int = 0,
-) -> tuple[Any, dict[str, Any]]:
-    """The block of a case, and what must be kept while it is used: ``KEPT`` by name, and more."""
-    rooms, rows, prior = len(seen.storey), len(seen.angle), len(plan.storey)
-    widest = int(np.diff(seen.first).max(initial=1))
-    room_work = (rooms, rooms)
-    plane_work = (widest, plan.widest + 1)
-    columns = prior + rooms
-    stacks = ((DEPTH, SIDES), (WAITING, SIDES))
-    view = (rooms, rows, rows, rows, rows)
-    words = 4 * maps * rooms * int(plan.cells.prod())
-    work: list[tuple[Any, Any]] = [
-        (Finder, (prior, prior, 1)),
-        (Bench, (*[plane_work] * 3, widest, widest + 1, *[widest] * 5, *[plane_work[1]] * 6)),
-        (Options, (room_work, room_work, rooms, prior)),
-        (Pairing, (*[columns] * 7, *[rooms] * 3)),
-        (Tally, ((seen.planes, 8), seen.planes)),
-        (Spans, ((3, rooms), (3, rooms), rooms, rooms, *[widest] * 7, rooms)),
-        (Groups, (rooms + 2, *[rooms] * 5, 2)),
-        (
-            Found,
-            (
-                (peaks, 4),
-                8,
-                rooms,
-                *stacks,
-                (rooms, prior // 64 + 1),
-                (2, 4),
-                (boxes, SIDES),
-                (boxes, SIDES),
-                (boxes, 3),
-            ),
-        ),
-        (Ground, (words, 1, rooms, maps * rooms, 1)),
-        (View, view),
-        (View, view),
-    ]
-    room, block, begins = arranged(work)
-    storey, judged = np.zeros(storeys, dtype=np.int64), np.zeros(rooms, dtype=np.int64)
-    task = slots_of(Task, (aim.least, aim.budget, storey, judged, aim.loss))
-    tables = (seen.slots, plan.slots, _limits(limits), content.slots, task)
-    start = address(block)
-    places = [*map(address, tables), *(start + WORD * k for k in begins)]
-    kept = {"room": room, "block": block, "tables": (tables, storey, aim), "judged": judged}
-    for name, (record, wide) in KEPT.items():
-        declared = work[record][0]
-        at = begins[record] + layout(declared)[name].slot
-        first = (int(block[at]) - address(room)) // WORD
-        size = int(block[at + 1]) * (int(block[at + 2]) if wide else 1)
-        kept[name] = room[first : first + size].view(np.float64 if name == "base" else np.int64)
-    return np.array(places, dtype=np.int64), kept
+def given_of(seen: Seen, plan: Plan, limits: Limits, content: Content, aim: Aim) -> dict[str, Any]:
+    """What the block of a ``Case`` is given."""
+    return {
+        "seen": seen.slots,
+        "plan": plan.slots,
+        "limits": limits.slots,
+        "content": content.slots,
+        "least": aim.least,
+        "budget": aim.budget,
+        "loss": aim.loss,
+    }
 
 
-_NOTHING = (np.zeros((0, SIDES)), np.zeros(0, dtype=np.int64), 0)
-
-
-@lru_cache(maxsize=16)
-def _limits(limits: Limits) -> Any:
-    return slots_of(Limits, limits)
+def sizes_of(
+    seen: Seen, plan: Plan, storeys: int, peaks: int, *, boxes: int = 0, maps: int = 0
+) -> dict[str, int]:
+    """The sizes of a ``Case``; ``maps``: of so many shifts they are kept."""
+    rooms, prior = len(seen.storey), len(plan.storey)
+    wide, tall = plan.cells.tolist()
+    return {
+        "N": rooms,
+        "N + 2": rooms + 2,
+        "P": len(seen.angle),
+        "M": prior,
+        "M + N": prior + rooms,
+        "U": storeys,
+        "n": seen.widest,
+        "n + 1": seen.widest + 1,
+        "m": plan.widest + 1,
+        "planes": seen.planes,
+        "peaks": peaks,
+        "depth": DEPTH,
+        "waiting": WAITING,
+        "sides": SIDES,
+        "like": prior // 64 + 1,
+        "boxes": boxes,
+        "maps": maps * rooms,
+        "words": 4 * maps * rooms * wide * tall,
+    }
 
 
 @entry

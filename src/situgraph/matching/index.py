@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from situgraph.matching.blocks import Block
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Stock, stock_of
 from situgraph.matching.corners import (
@@ -22,7 +23,6 @@ from situgraph.matching.corners import (
 from situgraph.matching.ground import BITS
 from situgraph.matching.plain import plain_rooms
 from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
-from situgraph.matching.records import slots_of
 from situgraph.matching.semantics import PlannedObjects, planned_objects
 from situgraph.matching.tables import Floats, Ints, Plan
 from situgraph.scenegraph.graph import SceneGraph
@@ -112,7 +112,7 @@ class PlanIndex:
             *cells_of(self.center),
             widest,
         )
-        return Plan(*made, slots_of(Plan, made))  # type: ignore[call-arg]
+        return Plan(*made, Block.of(Plan, made))  # type: ignore[call-arg]
 
 
 def cells_of(center: Floats) -> tuple[Ints, Floats]:

@@ -60,7 +60,7 @@ def _same_plan(former: Inputs, inputs: Inputs) -> bool:
     """Whether the storeys of the rooms go where they went."""
     return (
         former.index is inputs.index
-        and former.limits == inputs.limits
+        and former.config == inputs.config
         and np.array_equal(former.shifts, inputs.shifts)
         and np.array_equal(former.mapping, inputs.mapping)
     )

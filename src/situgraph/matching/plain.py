@@ -18,8 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
-from situgraph.matching.records import address, record_at, slots_of
+from situgraph.matching.records import record_at
 from situgraph.matching.tables import Floats, Ints, Table
 
 BASE, LOW, HIGH, SIDE, COS, SIN, CX, CY = 0, 1, 2, 3, 7, 8, 9, 10
@@ -36,9 +37,7 @@ class Squaring(NamedTuple):
     first: Ints  # (M + 1,)
     angle: Floats  # (Q,) of the planes' normals
     distance: Floats  # (Q,) of the room's centre
-    spread: float
-    turn: float
-    table: Table  # (M, SEEN_COLUMNS or PLAN_COLUMNS)
+    table: Table  # (M, PLAN_COLUMNS)
 
 
 def plain_rooms(first: Ints, angle: Floats, distance: Floats, center: Floats) -> Floats:
@@ -48,8 +47,7 @@ def plain_rooms(first: Ints, angle: Floats, distance: Floats, center: Floats) ->
     """
     table = np.empty((len(center), PLAN_COLUMNS))
     angle, distance = (np.ascontiguousarray(v) for v in (angle, distance))
-    block = slots_of(Squaring, (first, angle, distance, EXACT, 0.0, table))
-    draw_plain(address(block))
+    draw_plain(Block.of(Squaring, (first, angle, distance, table)).place)
     table[:, COS], table[:, SIN] = np.cos(table[:, BASE]), np.sin(table[:, BASE])
     table[:, CX:] = center
     return table
@@ -60,18 +58,18 @@ def draw_plain(place):
     """Fill the table of a ``Squaring``."""
     t = record_at(place, Squaring)
     for r in range(len(t.first) - 1):
-        square(t, r)
+        square(t, r, EXACT, 0.0, t.table[r])
 
 
 @part
-def square(t, r):
-    """Fill one row, the direction with NaN when the room is not plain.
+def square(t, r, spread, turn, row):
+    """Fill the row of one room, the direction with NaN when the room is not plain.
 
-    ``t`` has the fields of ``Squaring``; directions may be ``spread`` off a quarter turn, and a
-    plane's own direction ``turn`` off its counterpart's.
+    ``t`` has ``first``, ``angle``, ``distance``; directions may be ``spread`` off a quarter turn,
+    and a plane's own direction ``turn`` off its counterpart's.
     """
     begin, end = t.first[r], t.first[r + 1]
-    row, base = t.table[r], t.angle[begin]
+    base = t.angle[begin]
     low = last = -math.inf
     high = first = math.inf
     row[BASE] = math.nan
@@ -81,7 +79,7 @@ def square(t, r):
         quarter = round((t.angle[i] - base) / QUARTER)
         off = base + quarter * QUARTER - t.angle[i]
         k = quarter & 3
-        if abs(off) > t.spread or not math.isnan(row[SIDE + k]):
+        if abs(off) > spread or not math.isnan(row[SIDE + k]):
             return
         row[SIDE + k] = t.distance[i]
         low, last = max(low, min(last, off)), max(last, off)
@@ -94,7 +92,7 @@ def square(t, r):
     if end - begin < 3:  # none can be missing
         low, high = last, first
     row[BASE] = base
-    row[LOW], row[HIGH] = low - t.turn - SLACK - EXACT, high + t.turn + SLACK + EXACT
+    row[LOW], row[HIGH] = low - turn - SLACK - EXACT, high + turn + SLACK + EXACT
 
 
 @part

@@ -5,15 +5,17 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from itertools import pairwise
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from situgraph.errors import InputError
+from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.plain import SEEN_COLUMNS, Squaring, square
-from situgraph.matching.records import address, allocated, layout, record_at, slots_of
+from situgraph.matching.plain import square
+from situgraph.matching.records import record_at
 from situgraph.matching.tables import Floats, Ints, Limits, Seen, Table
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -22,30 +24,31 @@ def limits_of(config: MatchingConfig) -> Limits:
     """The constants of the search."""
     peak = (1 - config.p_moved - config.p_missing) * config.clutter_length
     together = config.p_together * 2 * config.moved_limit / config.p_moved
-    return Limits(
-        fit=config.plane_offset_tolerance,
-        moved=config.moved_limit,
-        angle=config.angle_tolerance,
-        sine=config.parallel_sine,
-        fit_peak=math.log(peak / (math.sqrt(2 * math.pi) * config.plane_sigma)),
-        moved_base=math.log(config.p_moved * config.clutter_length / (2 * config.moved_limit)),
-        together=together / (2 * math.sqrt(math.pi) * config.plane_sigma),
-        alone=1 - config.p_together,
-        apart_weight=1 / (4 * config.plane_sigma**2),
-        thickness=config.wall_thickness,
-        missing=math.log(config.p_missing),
-        missing_shared=math.log(config.p_missing_shared),
-        room_true=math.log(1 - config.p_false_room),
-        room_false=math.log(config.p_false_room),
-        plane_weight=1 / (2 * config.plane_sigma**2),
-        angle_weight=1 / (2 * config.angle_sigma**2),
-        same_distance=config.same_distance,
-        same_yaw=config.same_yaw,
-        smallest_step=config.smallest_step,
-        peak_step=config.peak_step,
-        max_boxes=config.max_boxes,
-        max_work=config.max_work,
-    )
+    values: dict[str, Any] = {
+        "fit": config.plane_offset_tolerance,
+        "moved": config.moved_limit,
+        "angle": config.angle_tolerance,
+        "sine": config.parallel_sine,
+        "fit_peak": math.log(peak / (math.sqrt(2 * math.pi) * config.plane_sigma)),
+        "moved_base": math.log(config.p_moved * config.clutter_length / (2 * config.moved_limit)),
+        "together": together / (2 * math.sqrt(math.pi) * config.plane_sigma),
+        "alone": 1 - config.p_together,
+        "apart_weight": 1 / (4 * config.plane_sigma**2),
+        "thickness": config.wall_thickness,
+        "missing": math.log(config.p_missing),
+        "missing_shared": math.log(config.p_missing_shared),
+        "room_true": math.log(1 - config.p_false_room),
+        "room_false": math.log(config.p_false_room),
+        "plane_weight": 1 / (2 * config.plane_sigma**2),
+        "angle_weight": 1 / (2 * config.angle_sigma**2),
+        "same_distance": config.same_distance,
+        "same_yaw": config.same_yaw,
+        "smallest_step": config.smallest_step,
+        "peak_step": config.peak_step,
+        "max_boxes": config.max_boxes,
+        "max_work": config.max_work,
+    }
+    return Limits(**values, slots=Block(Limits, {}, **values))
 
 
 def raw_rooms(graph: SceneGraph) -> tuple[Floats, Floats, Ints, Ints]:
@@ -82,12 +85,12 @@ class Reading(NamedTuple):
     name: Ints  # (K,) plane rows of the rooms, one room after the other
     number: Ints  # (R,) how many each room has
     steepest: float
-    kept: Ints  # (R,)
-    first: Ints  # (R + 1,)
-    normal: Table  # (K, 2)
-    distance: Floats  # (K,)
-    source: Ints  # (K,)
-    done: Ints  # (1,) how many rooms count
+    kept: Annotated[Ints, "R"]
+    first: Annotated[Ints, "R + 1"]
+    normal: Annotated[Floats, "K", 2]
+    distance: Annotated[Floats, "K"]
+    source: Annotated[Ints, "K"]
+    done: Annotated[Ints, 1]  # how many rooms count
 
 
 def plan_lines(
@@ -98,16 +101,22 @@ def plan_lines(
     Returns which rooms count, ``first``, and for each room's usable planes the normal (Q, 2), the
     signed distance of the room's centre (Q,), the row in ``planes`` (Q,).
     """
-    rooms, rows = len(counts), len(names)
-    shapes = ((0, 0), (0, 0), 0, 0, 0.0, rooms, rooms + 1, (rows, 2), rows, rows, 1)
-    values, _ = allocated(Reading, shapes)
-    kept, first, normal, distance, source, done = values[5:]
-    given = (np.ascontiguousarray(centers), np.ascontiguousarray(planes), names, counts)
-    block = slots_of(Reading, (*given, math.sin(tilt) + 1e-12, *values[5:]))
-    read_lines(address(block))
-    rooms = int(done[0])
+    sizes = {"R": len(counts), "R + 1": len(counts) + 1, "K": len(names)}
+    block = Block(
+        Reading,
+        sizes,
+        center=np.ascontiguousarray(centers),
+        planes=np.ascontiguousarray(planes),
+        name=names,
+        number=counts,
+        steepest=math.sin(tilt) + 1e-12,
+    )
+    read_lines(block.place)
+    rooms = int(block.array("done")[0])
+    first = block.array("first")[: rooms + 1]
     rows = int(first[rooms])
-    return kept[:rooms], first[: rooms + 1], normal[:rows], distance[:rows], source[:rows]
+    normal, distance, source = map(block.array, ("normal", "distance", "source"))
+    return block.array("kept")[:rooms], first, normal[:rows], distance[:rows], source[:rows]
 
 
 @entry
@@ -149,7 +158,6 @@ class Drafting(NamedTuple):
     """An online graph's lines, and the table to be made of them."""
 
     seen: Seen
-    squaring: Squaring
     center: Table  # (R, 3)
     kept: Ints  # (N,)
     normal: Table  # (P, 2)
@@ -158,10 +166,9 @@ class Drafting(NamedTuple):
     sine: float
     moved: float
     angle: float
-    number: Ints  # (largest of source + 1,)
-    share: Floats  # (P,)
-    middle: Floats  # (2,)
-    done: Ints  # (3,) how many distinct planes, probes, crossings
+    number: Annotated[Ints, "largest source + 1"]
+    share: Annotated[Floats, "planes"]
+    middle: Annotated[Floats, 2]
 
 
 def seen_table(
@@ -175,33 +182,36 @@ def seen_table(
     limits: Limits,
 ) -> tuple[Seen, Floats]:
     """The online rooms as the search wants them, and the mean of their centres (2,)."""
-    rooms, rows = len(kept), len(distance)
-    n = np.diff(first)
-    crossings, probes = int((n * (n - 1) // 2).sum()), 3 * rooms
-    shapes = (
-        (rooms, 2), rooms + 1, rows, rows, rows, 0, rooms, rooms, rooms, rooms, rooms + 1,
-        (crossings, 2), rooms + 1, (probes, 2), (probes, 2), probes, (rooms, SEEN_COLUMNS),
-    )  # fmt: skip
-    values, block = allocated(Seen, shapes)
-    values[1][:], values[3][:] = first, distance
-    numbers = int(source.max(initial=-1)) + 1
-    (*_, number, share, middle, done), _ = allocated(
-        Drafting, (0, 0, (0, 0), 0, (0, 0), 0, 0, 0.0, 0.0, 0.0, numbers, rows, 2, 3)
+    begins, sources = first.tolist(), source.tolist()
+    counts = [end - begin for begin, end in pairwise(begins)]
+    planes, widest = len(set(sources)), max(counts, default=1)
+    sizes = {
+        "N": len(kept),
+        "N + 1": len(kept) + 1,
+        "P": len(sources),
+        "planes": planes,
+        "crossings": sum(n * (n - 1) // 2 for n in counts),
+        "probes": 3 * len(kept),
+        "largest source + 1": max(sources, default=-1) + 1,
+    }
+    block = Block(Seen, sizes, planes=planes, widest=widest)
+    arrays = block.arrays()
+    arrays["first"][:], arrays["distance"][:] = first, distance
+    draft = Block(
+        Drafting,
+        sizes,
+        seen=block,
+        center=np.ascontiguousarray(centers),
+        kept=kept,
+        normal=np.ascontiguousarray(normal),
+        source=source,
+        storeys=storeys,
+        sine=limits.sine,
+        moved=limits.moved,
+        angle=limits.angle,
     )
-    given = (np.ascontiguousarray(centers), kept, np.ascontiguousarray(normal), source, storeys)
-    sizes = (limits.sine, limits.moved, limits.angle)
-    squaring = slots_of(
-        Squaring, (values[1], values[2], values[3], limits.angle / 2, limits.angle, values[16])
-    )
-    draft = slots_of(Drafting, (block, squaring, *given, *sizes, number, share, middle, done))
-    draw_seen(address(draft))
-    planes, probes, crossings = done.tolist()
-    values[5] = planes
-    values[11] = values[11][:crossings]
-    values[13:16] = (v[:probes] for v in values[13:16])
-    block = block.copy()
-    block[layout(Seen)["planes"].slot] = planes
-    return Seen(*values, block), middle  # type: ignore[call-arg]
+    draw_seen(draft.place)
+    return Seen(**arrays, planes=planes, widest=widest, slots=block), draft.array("middle")
 
 
 @entry
@@ -234,8 +244,7 @@ def _draw_seen(t):
             _place_probe(t, r, k)
         probes += found
         seen.probe_first[r + 1] = probes
-        square(t.squaring, r)
-    t.done[1] = probes
+        square(seen, r, t.angle / 2, t.angle, seen.plain[r])
     _shape(t)
     _crossings(t)
 
@@ -261,7 +270,6 @@ def _number(t):
             count += 1
             number[p] = count
         t.seen.plane[k] = number[p] - 1
-    t.done[0] = count
 
 
 @part
@@ -290,7 +298,6 @@ def _crossings(t):
                     seen.crossed[count, 1] = j
                     count += 1
         seen.crossed_first[r + 1] = count
-    t.done[2] = count
 
 
 @part

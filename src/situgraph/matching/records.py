@@ -1,9 +1,10 @@
 """Records of arrays, handed to kernels by address.
 
 A named tuple of arrays is passed to compiled code field by field, hundreds of values a call, and
-numpy arrays carry counts of references: both make compiling slow. Here a record is a block of
-8-byte slots, filled in Python: a number takes one; an array takes its address and its shape; a
-record takes its address. In kernels ``record.field`` is a number, a ``Vector`` or a record.
+numpy arrays carry counts of references: both make compiling slow. Here a record is made
+of 8-byte slots, filled in Python (``blocks``): a number takes one; an array takes its address and
+its shape; a record takes its address. In kernels ``record.field`` is a number, a ``Vector`` or a
+record.
 
 A ``Vector`` is a C-contiguous array of one or two dimensions that nobody counts: it lives as long
 as the array it was made of. Indices are not checked, and negative ones mean nothing.
@@ -13,7 +14,6 @@ as the array it was made of. Indices are not checked, and negative ones mean not
 from __future__ import annotations
 
 import operator
-import struct
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
@@ -37,16 +37,20 @@ from numba.extending import (
 )
 from numba.np.numpy_support import from_dtype
 
-WORD = 8  # bytes of a slot
 SLOTS = "slots"  # the field of a record that holds its block, where it is kept
 
 
 class Field(NamedTuple):
-    """A field of a record: where its slots begin, what it is, how many slots."""
+    """A field of a record: where its slots begin, what it is, its shape where that is declared."""
 
     slot: int
     kind: Any
-    width: int
+    sizes: tuple[int | str, ...]
+
+    @property
+    def width(self) -> int:
+        """How many slots."""
+        return 1 + getattr(self.kind, "ndim", 0)
 
 
 class Vector(types.Type):
@@ -74,21 +78,21 @@ def layout(declared: Any) -> dict[str, Field]:
     for name, hint in get_type_hints(declared, include_extras=True).items():
         if name == SLOTS:
             continue
-        kind = _kind(hint)
-        width = 1 + kind.ndim if isinstance(kind, Vector) else 1
-        fields[name] = Field(at, kind, width)
-        at += width
+        kind, sizes = _kind(hint)
+        fields[name] = field = Field(at, kind, sizes)
+        at += field.width
     return fields
 
 
-def _kind(hint: Any) -> Any:
+def _kind(hint: Any) -> tuple[Any, tuple[int | str, ...]]:
+    """What a field is, and the shape of an array that is laid out with its record."""
     if hint is int:
-        return types.int64
+        return types.int64, ()
     if hint is float:
-        return types.float64
-    ndim = 1
+        return types.float64, ()
+    shape: tuple[Any, ...] = (None,)
     if get_origin(hint) is Annotated:
-        hint, ndim = get_args(hint)
+        hint, *shape = get_args(hint)  # type: ignore[assignment]
     # NDArray is an alias of the language from Python 3.12 on.
     named = getattr(get_origin(hint), "__value__", None)
     if named is not None:
@@ -96,110 +100,8 @@ def _kind(hint: Any) -> Any:
     if get_origin(hint) is np.ndarray:
         (scalar,) = get_args(get_args(hint)[1])
         dtype = types.uint8 if scalar is np.bool_ else from_dtype(np.dtype(scalar))
-        return Vector(dtype, ndim)
-    return Record(hint)
-
-
-@cache
-def _format(declared: Any) -> str:
-    codes = (f.kind is types.float64 for f in layout(declared).values())
-    widths = (f.width for f in layout(declared).values())
-    return "".join("d" if real else "q" * width for real, width in zip(codes, widths))
-
-
-def slots_of(declared: Any, values: Any) -> Any:
-    """The block of a record with these values, field by field; arrays must outlive it.
-
-    A record within is given by its own block.
-    """
-    flat: list[float] = []
-    for value, ndim in zip(values, _dimensions(declared)):
-        if ndim == 0:
-            flat.append(value)
-            continue
-        flat.append(address(value))
-        if ndim > 0:
-            flat.extend(value.shape)
-    return np.frombuffer(struct.pack(_format(declared), *flat), dtype=np.int64)
-
-
-def address(array: Any) -> int:
-    """Where the numbers of an array are."""
-    return int(array.__array_interface__["data"][0])
-
-
-def allocated(declared: Any, shapes: Any) -> tuple[Any, Any]:
-    """The values and the block of a record with arrays of these shapes, all zeros.
-
-    ``shapes`` go field by field; a number for one dimension, or for a number the number itself.
-    Only for elements of 8 bytes.
-    """
-    dims = _dimensions(declared)
-    sizes = [_words(ndim, shape) for ndim, shape in zip(dims, shapes)]
-    words = np.zeros(sum(sizes))
-    whole = words.view(np.int64)
-    start, at, flat, values = address(words), 0, [], []
-    for ndim, whole_numbers, shape, size in zip(dims, _whole(declared), shapes, sizes):
-        if ndim <= 0:
-            flat.append(shape)
-            values.append(shape)
-            continue
-        made = (whole if whole_numbers else words)[at : at + size]
-        flat.append(start + WORD * at)
-        if ndim == 2:
-            flat.extend(shape)
-            made = made.reshape(shape)
-        else:
-            flat.append(shape)
-        values.append(made)
-        at += size
-    return values, np.frombuffer(struct.pack(_format(declared), *flat), dtype=np.int64)
-
-
-def _words(ndim: int, shape: Any) -> int:
-    if ndim <= 0:
-        return 0
-    return int(shape[0] * shape[1] if ndim == 2 else shape)
-
-
-@cache
-def _dimensions(declared: Any) -> tuple[int, ...]:
-    """Of each field, 0 for a number and -1 for a record."""
-    kinds = [f.kind for f in layout(declared).values()]
-    return tuple(getattr(kind, "ndim", -isinstance(kind, Record)) for kind in kinds)
-
-
-@cache
-def _whole(declared: Any) -> tuple[bool, ...]:
-    """Whether each field is an array of whole numbers."""
-    kinds = (f.kind for f in layout(declared).values())
-    return tuple(getattr(kind, "dtype", None) is types.int64 for kind in kinds)
-
-
-def arranged(records: Any) -> tuple[Any, Any, list[int]]:
-    """Room for records (class, shapes as for ``allocated``) without floats, all zeros.
-
-    Returns the words of all arrays, the blocks of all records in one, and where in it each begins.
-    """
-    flat: list[int] = []
-    arrays, begins, words = [], [], 0
-    for declared, shapes in records:
-        begins.append(len(flat))
-        for ndim, shape in zip(_dimensions(declared), shapes):
-            if ndim <= 0:
-                flat.append(shape)
-                continue
-            arrays.append(len(flat))
-            flat.append(WORD * words)
-            if ndim == 1:
-                flat.append(shape)
-                words += shape
-            else:
-                flat += shape
-                words += shape[0] * shape[1]
-    room, block = np.zeros(words), np.array(flat, dtype=np.int64)
-    block[arrays] += address(room)
-    return room, block, begins
+        return Vector(dtype, len(shape)), () if None in shape else tuple(shape)
+    return Record(hint), ()
 
 
 @register_model(Vector)

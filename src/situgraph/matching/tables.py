@@ -1,7 +1,8 @@
 """The flat tables the kernels work on: the online rooms, the plan, the limits, room to work in.
 
 A room's planes stand one after the other; ``first[r]`` to ``first[r + 1]`` are the rows of room
-``r``. Kernels read named tuples as ``records`` lays them out.
+``r``. Kernels read named tuples as ``records``; an array that is declared with its sizes is laid
+out with its record (``blocks``).
 """
 
 from __future__ import annotations
@@ -11,13 +12,15 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from situgraph.matching.blocks import Block
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 Short = NDArray[np.int32]
-Table = Annotated[Floats, 2]
-IntTable = Annotated[Ints, 2]
-CountTable = Annotated[NDArray[np.int16], 2]
+Table = Annotated[Floats, None, None]
+IntTable = Annotated[Ints, None, None]
+CountTable = Annotated[NDArray[np.int16], None, None]
 
 FIT, MOVED, MISSING = 0, 1, 2  # states of an online plane
 MADE, MAPPED = range(2)  # what ``Groups.told`` tells
@@ -52,29 +55,31 @@ class Limits(NamedTuple):
     peak_step: float
     max_boxes: int
     max_work: int
+    slots: Block  # in memory
 
 
 class Seen(NamedTuple):
     """The online rooms that count; lengths from the mean of their centres."""
 
-    center: Table  # (N, 2)
-    first: Ints  # (N + 1,)
-    angle: Floats  # (P,) direction of the normal
-    distance: Floats  # (P,) signed distance of the room's centre
-    plane: Ints  # (P,) which distinct plane
+    center: Annotated[Floats, "N", 2]
+    first: Annotated[Ints, "N + 1"]
+    angle: Annotated[Floats, "P"]  # direction of the normal
+    distance: Annotated[Floats, "P"]  # signed distance of the room's centre
+    plane: Annotated[Ints, "P"]  # which distinct plane
     planes: int  # how many distinct planes
-    strict: Ints  # (N,) whether every plane must fit
-    flat: Ints  # (N,) whether all planes are parallel
-    storey: Ints  # (N,)
-    shape: Floats  # (N,) how many of its planes a similar shape would explain
-    crossed_first: Ints  # (N + 1,) pairs of a room's planes that are not parallel
-    crossed: IntTable  # (C, 2)
-    probe_first: Ints  # (N + 1,) corners by which a room is looked up
-    probe: IntTable  # (K, 2) rows of two planes, the second counter-clockwise of the first
-    probe_arm: Table  # (K, 2) where they meet
-    probe_reach: Floats  # (K,) how far the prior corner may lie off
-    plain: Table  # (N, 7) rooms of four directions (``plain``)
-    slots: Ints  # its block (``records``)
+    widest: int  # most planes of one room
+    strict: Annotated[Ints, "N"]  # whether every plane must fit
+    flat: Annotated[Ints, "N"]  # whether all planes are parallel
+    storey: Annotated[Ints, "N"]
+    shape: Annotated[Floats, "N"]  # how many of its planes a similar shape would explain
+    crossed_first: Annotated[Ints, "N + 1"]  # pairs of a room's planes that are not parallel
+    crossed: Annotated[Ints, "crossings", 2]
+    probe_first: Annotated[Ints, "N + 1"]  # corners by which a room is looked up
+    probe: Annotated[Ints, "probes", 2]  # two rows, the second counter-clockwise of the first
+    probe_arm: Annotated[Floats, "probes", 2]  # where they meet
+    probe_reach: Annotated[Floats, "probes"]  # how far the prior corner may lie off
+    plain: Annotated[Floats, "N", 7]  # rooms of four directions (``plain``)
+    slots: Block  # in memory
 
 
 class Plan(NamedTuple):
@@ -102,7 +107,7 @@ class Plan(NamedTuple):
     cells: Ints  # (2,) of a map of the plan (``ground``): words of 64 cells a row, rows
     corner: Floats  # (3,) where it begins, x and y in metres, and how many cells a metre has
     widest: int  # most planes of one room
-    slots: Ints  # its block (``records``)
+    slots: Block  # in memory
 
 
 class Content(NamedTuple):
@@ -117,7 +122,7 @@ class Content(NamedTuple):
     row_need: IntTable  # (k, 2)
     room_have: CountTable  # (M, C)
     row_have: CountTable  # (Q, C)
-    slots: Ints  # its block (``records``)
+    slots: Block  # in memory
 
 
 class Aim(NamedTuple):
@@ -138,48 +143,48 @@ class Task(NamedTuple):
 
     least: int  # rooms to be explained
     budget: float  # what a placement may lose, at most
-    storeys: Ints  # (U,) the prior storey of each online storey, -1 for none
-    judged: Ints  # (N,) whether an earlier search knew a room
+    storeys: Annotated[Ints, "U"]  # the prior storey of each online storey, -1 for none
+    judged: Annotated[Ints, "N"]  # whether an earlier search knew a room
     loss: Floats  # (N,) what each online room loses when it is not explained
 
 
 class View(NamedTuple):
     """The correspondences at a placement."""
 
-    room: Ints  # (N,) prior room, -1 for none
-    row: Ints  # (P,) prior row of each online row of an explained room, -1 for none
-    state: Ints  # (P,) FIT, MOVED or MISSING; -1 in rooms that are not explained
-    offset: Floats  # (P,) residuals, where there is a prior row
-    bend: Floats  # (P,)
+    room: Annotated[Ints, "N"]  # prior room, -1 for none
+    row: Annotated[Ints, "P"]  # prior row of each online row of an explained room, -1 for none
+    state: Annotated[Ints, "P"]  # FIT, MOVED or MISSING; -1 in rooms that are not explained
+    offset: Annotated[Floats, "P"]  # residuals, where there is a prior row
+    bend: Annotated[Floats, "P"]
 
 
 class Finder(NamedTuple):
     """Room to work for ``find``: the rooms found, and when each was last."""
 
-    room: Ints  # (M,)
-    last: Ints  # (M,)
-    turn: Ints  # (1,) number of the present search
+    room: Annotated[Ints, "M"]
+    last: Annotated[Ints, "M"]
+    turn: Annotated[Ints, 1]  # number of the present search
 
 
 class Bench(NamedTuple):
     """Room to work for ``explain``: the counterparts each plane can have, best first."""
 
-    row: IntTable  # (n, m) prior row, -1 for none
-    value: Table  # (n, m) log ratio
-    fits: IntTable  # (n, m) state
-    count: Ints  # type: ignore[assignment]  # (n,)
-    best: Floats  # (n + 1,) largest sum from a plane on
-    pick: Ints  # (n,) the choice tried
-    kept: Ints  # (n,) the best choice's rows
-    state: Ints  # (n,) and their states
-    rent: Floats  # (n,) prices of planes (``assignment``)
-    column: Ints  # (n,) their counterparts
-    price: Floats  # (m,) of counterparts
-    near: Floats  # (m,) length of the shortest path to one
-    way: Ints  # (m,) the plane before it
-    choice: Ints  # (m,) and which of its counterparts this is
-    owner: Ints  # (m,) the plane that has it, -1 for none
-    done: Ints  # (m,) 1 when the shortest path is known
+    row: Annotated[Ints, "n", "m"]  # prior row, -1 for none
+    value: Annotated[Floats, "n", "m"]  # log ratio
+    fits: Annotated[Ints, "n", "m"]  # state
+    count: Annotated[Ints, "n"]  # type: ignore[assignment]
+    best: Annotated[Floats, "n + 1"]  # largest sum from a plane on
+    pick: Annotated[Ints, "n"]  # the choice tried
+    kept: Annotated[Ints, "n"]  # the best choice's rows
+    state: Annotated[Ints, "n"]  # and their states
+    rent: Annotated[Floats, "n"]  # prices of planes (``assignment``)
+    column: Annotated[Ints, "n"]  # their counterparts
+    price: Annotated[Floats, "m"]  # of counterparts
+    near: Annotated[Floats, "m"]  # length of the shortest path to one
+    way: Annotated[Ints, "m"]  # the plane before it
+    choice: Annotated[Ints, "m"]  # and which of its counterparts this is
+    owner: Annotated[Ints, "m"]  # the plane that has it, -1 for none
+    done: Annotated[Ints, "m"]  # 1 when the shortest path is known
 
 
 class Options(NamedTuple):
@@ -188,10 +193,10 @@ class Options(NamedTuple):
     More than N are never needed: the other rooms take N - 1 at most.
     """
 
-    room: IntTable  # (N, N)
-    score: Table  # (N, N)
-    count: Ints  # type: ignore[assignment]  # (N,)
-    owner: Ints  # (M,) how many rooms have a prior room as an option
+    room: Annotated[Ints, "N", "N"]
+    score: Annotated[Floats, "N", "N"]
+    count: Annotated[Ints, "N"]  # type: ignore[assignment]
+    owner: Annotated[Ints, "M"]  # how many rooms have a prior room as an option
 
 
 class Pairing(NamedTuple):
@@ -200,78 +205,79 @@ class Pairing(NamedTuple):
     Columns are the prior rooms, then one a row for none.
     """
 
-    price: Floats  # (M + N,) of a column
-    near: Floats  # (M + N,) length of the shortest path to a column
-    way: Ints  # (M + N,) the row before it
-    owner: Ints  # (M + N,) row of a column plus 1, 0 for none
-    mark: Ints  # (M + N,) 0 never met, 1 met in this search, 2 done, 3 met before
-    met: Ints  # (M + N,) the columns met in one search for a path
-    used: Ints  # (M + N,) the columns met in any
-    rent: Floats  # (N,) price of a row
-    column: Ints  # (N,) of a row
-    rows: Ints  # (N,) to be assigned
+    price: Annotated[Floats, "M + N"]  # of a column
+    near: Annotated[Floats, "M + N"]  # length of the shortest path to a column
+    way: Annotated[Ints, "M + N"]  # the row before it
+    owner: Annotated[Ints, "M + N"]  # row of a column plus 1, 0 for none
+    mark: Annotated[Ints, "M + N"]  # 0 never met, 1 met in this search, 2 done, 3 met before
+    met: Annotated[Ints, "M + N"]  # the columns met in one search for a path
+    used: Annotated[Ints, "M + N"]  # the columns met in any
+    rent: Annotated[Floats, "N"]  # price of a row
+    column: Annotated[Ints, "N"]  # of a row
+    rows: Annotated[Ints, "N"]  # to be assigned
 
 
 class Tally(NamedTuple):
     """Sums over the occurrences of each distinct plane."""
 
-    sums: Table  # (planes, 8) fits, their squares: offset, bend; moved, their squares of bend,
-    # sum of their offsets; row of the prior plane, 1 when its wall has been counted
-    missing: Ints  # (planes,)
+    # Fits, their squares: offset, bend; moved, their squares of bend, sum of their offsets; row of
+    # the prior plane, 1 when its wall has been counted.
+    sums: Annotated[Floats, "planes", 8]
+    missing: Annotated[Ints, "planes"]
 
 
 class Spans(NamedTuple):
     """For each online room, where in the box it can be explained; and its planes' spans."""
 
-    low: Table  # (3, N) yaw, along, across
-    high: Table  # (3, N)
-    required: Ints  # (N,) rooms that must be explained
-    sorted: Floats  # (N,) to select in
-    turn_low: Floats  # (n,) yaws for which a plane can fit
-    turn_high: Floats  # (n,)
-    nu: Floats  # (n,) its normal in the box's axes
-    nv: Floats  # (n,)
-    off_low: Floats  # (n,) moves along its normal for which it can fit
-    off_high: Floats  # (n,)
-    kind: Ints  # (n,) 0: cannot fit, 1: one direction, 2: several
-    wide: Ints  # (N,) rooms of which the box is too wide to say where they go
+    low: Annotated[Floats, 3, "N"]  # yaw, along, across
+    high: Annotated[Floats, 3, "N"]
+    required: Annotated[Ints, "N"]  # rooms that must be explained
+    sorted: Annotated[Floats, "N"]  # to select in
+    turn_low: Annotated[Floats, "n"]  # yaws for which a plane can fit
+    turn_high: Annotated[Floats, "n"]
+    nu: Annotated[Floats, "n"]  # its normal in the box's axes
+    nv: Annotated[Floats, "n"]
+    off_low: Annotated[Floats, "n"]  # moves along its normal for which it can fit
+    off_high: Annotated[Floats, "n"]
+    kind: Annotated[Ints, "n"]  # 0: cannot fit, 1: one direction, 2: several
+    wide: Annotated[Ints, "N"]  # rooms of which the box is too wide to say where they go
 
 
 class Groups(NamedTuple):
     """``member[first[g]:first[g + 1]]`` are the rooms of group ``g``, its anchor first."""
 
-    first: Ints  # (N + 2,)
-    member: Ints  # (N,)
-    group: Ints  # (N,) of each room
-    anchor: Ints  # (N,) of each group
-    order: Ints  # (N,) rooms that have a map, the nearest to the present group's anchor first
-    apart: Floats  # (N,) how far they are
-    told: Ints  # (2,) how many groups, and how many rooms that have a map
+    first: Annotated[Ints, "N + 2"]
+    member: Annotated[Ints, "N"]
+    group: Annotated[Ints, "N"]  # of each room
+    anchor: Annotated[Ints, "N"]  # of each group
+    order: Annotated[Ints, "N"]  # rooms that have a map, the nearest to the group's anchor first
+    apart: Annotated[Floats, "N"]  # how far they are
+    told: Annotated[Ints, 2]  # how many groups, and how many rooms that have a map
 
 
 class Ground(NamedTuple):
     """Where in the plan each online room may lie (``ground``)."""
 
-    word: Ints  # (shifts * N * 4 * rows * words a row,) bits of cells, by room and quarter turn
-    base: Floats  # (1,) yaw of the first quarter
-    known: Ints  # (N,) whether a room has a map
-    drawn: Ints  # (shifts * N,) whether a map has been drawn
-    part: Ints  # (1,) where in ``drawn`` the present shift begins
+    word: Annotated[Ints, "words"]  # bits of cells, by shift, room, quarter turn, row of cells
+    base: Annotated[Floats, 1]  # yaw of the first quarter
+    known: Annotated[Ints, "N"]  # whether a room has a map
+    drawn: Annotated[Ints, "maps"]  # by shift and room: whether a map has been drawn
+    part: Annotated[Ints, 1]  # where in ``drawn`` the present shift begins
 
 
 class Found(NamedTuple):
     """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
 
-    peak: Table
-    count: Ints  # type: ignore[assignment]  # (8,) ``PEAKS`` to ``STAGE``
-    alike: Ints  # (N,) how many prior rooms explain each online room in isolation
-    stack: Table  # (k, SIDES) boxes to be searched
-    waiting: Table  # (k, SIDES) boxes in which an anchor finds one prior room
-    like: IntTable  # (N, words) bit a: whether prior room a explains it in isolation
-    along: Table  # (2, 4) where a plain room finds another, along two directions
-    cover: Table  # (k, SIDES) boxes that hold all feasible placements; 0 where nobody asks
-    region: Table  # (k, SIDES) boxes that are known to do so before the search
-    near: Table  # (k, 3) where each of these takes an anchor, and how near to there
+    peak: Annotated[Floats, "peaks", 4]
+    count: Annotated[Ints, 8]  # type: ignore[assignment]  # ``PEAKS`` to ``STAGE``
+    alike: Annotated[Ints, "N"]  # how many prior rooms explain each online room in isolation
+    stack: Annotated[Floats, "depth", "sides"]  # boxes to be searched
+    waiting: Annotated[Floats, "waiting", "sides"]  # those in which an anchor finds one prior room
+    like: Annotated[Ints, "N", "like"]  # bit a: whether prior room a explains it in isolation
+    along: Annotated[Floats, 2, 4]  # where a plain room finds another, along two directions
+    cover: Annotated[Floats, "boxes", "sides"]  # hold all feasible placements; 0 where nobody asks
+    region: Annotated[Floats, "boxes", "sides"]  # are known to do so before the search
+    near: Annotated[Floats, "boxes", 3]  # where each takes an anchor, and how near to there
 
 
 class Case(NamedTuple):

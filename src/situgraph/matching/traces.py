@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from situgraph.matching.blocks import Block
 from situgraph.matching.tables import CUT, LEFT, Floats, Ints
 
 
@@ -32,33 +33,32 @@ class Start(NamedTuple):
     first: Ints  # (shifts + 1,)
 
 
-def recall(kept: dict[str, Any], start: Start) -> None:
-    """Into a new case what is known of its rooms."""
+def recall(block: Block, start: Start) -> None:
+    """Into the block of a new ``Search`` what is known of its rooms."""
     traces, rooms = start.traces, len(start.row)
     seen = np.flatnonzero(start.row >= 0)
     row = start.row[seen]
-    kept["judged"][seen] = 1
-    kept["alike"][seen] = traces.alike[row]
-    kept["like"].reshape(rooms, -1)[seen] = traces.like[row]
+    ground, drawn = block.array("case.ground.word"), block.array("case.ground.drawn")
+    block.array("case.task.judged")[seen] = 1
+    block.array("case.found.alike")[seen] = traces.alike[row]
+    block.array("case.found.like")[seen] = traces.like[row]
     shifts = len(traces.drawn)
-    if traces.base == kept["base"][0] and shifts * rooms == len(kept["drawn"]):
-        kept["drawn"].reshape(shifts, rooms)[:, seen] = traces.drawn[:, row]
-        kept["word"].reshape(shifts, rooms, -1)[:, seen] = traces.maps[:, row]
+    if traces.base == block.array("case.ground.base")[0] and shifts * rooms == len(drawn):
+        drawn.reshape(shifts, rooms)[:, seen] = traces.drawn[:, row]
+        ground.reshape(shifts, rooms, -1)[:, seen] = traces.maps[:, row]
 
 
-def traces_of(
-    kept: dict[str, Any], count: Ints, left: Floats, left_shift: Ints, shifts: int
-) -> Traces:
-    """What a search leaves: ``count`` and its cover ``left``, with what is kept of its case."""
-    rooms = len(kept["alike"])
+def traces_of(block: Block, shifts: int) -> Traces:
+    """What the ``Search`` of a block leaves."""
+    count, left, alike = map(block.array, ("count", "left", "case.found.alike"))
     whole = not count[CUT] and count[LEFT] <= len(left)
     boxes = int(count[LEFT]) if whole else 0
     return Traces(
-        kept["alike"],
-        kept["like"].reshape(rooms, -1),
-        kept["word"].reshape(shifts, rooms, -1),
-        kept["drawn"].reshape(shifts, rooms),
-        float(kept["base"][0]),
+        alike,
+        block.array("case.found.like"),
+        block.array("case.ground.word").reshape(shifts, len(alike), -1),
+        block.array("case.ground.drawn").reshape(shifts, len(alike)),
+        float(block.array("case.ground.base")[0]),
         left[:boxes].copy() if whole else None,
-        left_shift[:boxes].copy(),
+        block.array("left_shift")[:boxes].copy(),
     )
