@@ -13,9 +13,7 @@ from situgraph.matching.boxes import SIDES
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.hypotheses import fits_somewhere
-from situgraph.matching.peaks import feasible, raised
-from situgraph.matching.records import record_at, scratch
-from situgraph.matching.represented import add_peak
+from situgraph.matching.records import record_at
 from situgraph.matching.search import outline, search
 from situgraph.matching.tables import (
     ANYWHERE,
@@ -206,7 +204,6 @@ def _search_all(wanted):
             begin, end = wanted.known_first[z], wanted.known_first[z + 1]
             outline(case, wanted.known, begin, end, wanted.wanted)
         search(case)
-        _raise_all(case)
         for k in range(found.count[PEAKS]):
             if kept < len(wanted.shift) and k < len(found.peak):
                 wanted.shift[kept] = z
@@ -233,19 +230,6 @@ def _turn_to_maps(case, z):
             ground.drawn[r] = 0
     else:
         ground.part[0] = z * rooms
-
-
-@part
-def _raise_all(case):
-    """Add the higher peaks beside those found."""
-    found, at = case.found, scratch(3)
-    for k in range(min(found.count[PEAKS], len(found.peak))):
-        for axis in range(3):
-            at[axis] = found.peak[k, axis]
-        feasible(case, case.one, at)
-        height = raised(case, at, found.peak[k, 3])
-        if height > found.peak[k, 3]:
-            add_peak(case, at, height)
 
 
 @part

@@ -12,13 +12,14 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.explained import wrapped
 from situgraph.matching.records import scratch
-from situgraph.matching.tables import FIT, MOVED
+from situgraph.matching.tables import FIT, MOVED, PEAKS
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
 ROUNDS = 30
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 ARRIVED = 1e-6  # metres and radians from the optimum
+SAME_PEAK = 1e-4  # metres along both axes, radians
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 
 
@@ -134,41 +135,73 @@ def climb(case, at):
 
 
 @part
-def raised(case, at, height):
-    """Climb on from a peak ``at`` (3,) while that helps with one plane let go, or held again.
+def add_peak(case, at, height):
+    """Note a peak, unless it is known; where there is no room for it, it is only counted."""
+    peaks, count = case.found.peak, case.found.count
+    for k in range(min(count[PEAKS], len(peaks))):
+        if (
+            abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < SAME_PEAK
+            and abs(wrapped(peaks[k, 0] - at[0])) < SAME_PEAK
+        ):
+            return
+    if count[PEAKS] < len(peaks):
+        for k in range(3):
+            peaks[count[PEAKS], k] = at[k]
+        peaks[count[PEAKS], 3] = height
+    count[PEAKS] += 1
 
-    Peaks that are the same placement differ in which planes fit. ``case.one`` must be the view at
-    the peak; returns L where it ends.
+
+@part
+def rise(case, at, height):
+    """Note a peak ``at`` (3,), unless it is known, and those to which it leads.
+
+    Peaks that are the same placement differ in which planes fit: it is climbed on with one plane
+    let go, or held again, as long as that leads higher. All higher ones are noted, as objects may
+    prefer one that by the walls is as good as another. ``case.one`` must be the view at the peak.
     """
-    view, limits = case.one, case.limits
-    goal, tried = scratch(3), scratch(3)
-    better = True
-    while better:
-        better, free = False, _arrived(case, at, goal)
-        # Letting a plane go gains at most what all planes that fit pay for their residuals.
-        strained = _strain(case) > limits.fit_peak - limits.moved_base - _most_spared(case)
-        for i in range(len(view.state)):
-            state = view.state[i]
-            if state != MOVED and (state != FIT or (free and not strained)):
-                continue
-            view.state[i] = FIT if state == MOVED else MOVED
-            optimum(case, case.one, at, goal)
-            view.state[i] = state
-            _part_way(goal, goal, 0.0, 0.0, tried)
-            if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
-                continue
-            # From where a limit stopped the climb, another way may lead on.
-            if free and _same(case):
-                continue
-            copy_view(case.two, case.one)
-            value = climb(case, tried)
-            if value > height + LEAST_GAIN:
-                height = value
-                _part_way(tried, tried, 0.0, 0.0, at)
-                better, free = True, _arrived(case, at, goal)
-            else:
-                feasible(case, case.one, at)
-    return height
+    before = case.found.count[PEAKS]
+    add_peak(case, at, height)
+    if case.found.count[PEAKS] == before:
+        return
+    goal, tried, top = scratch(3), scratch(3), scratch(3)
+    while True:
+        best = _raise_once(case, at, height, goal, tried, top)
+        if best <= height + LEAST_GAIN:
+            return
+        height = best
+        _part_way(top, top, 0.0, 0.0, at)
+        feasible(case, case.one, at)
+
+
+@part
+def _raise_once(case, at, height, goal, tried, top):
+    """Note the higher peaks that one plane leads to; returns the largest L, reached at ``top``."""
+    view, limits, best = case.one, case.limits, height
+    free = _arrived(case, at, goal)
+    # Letting a plane go gains at most what all planes that fit pay for their residuals.
+    strained = _strain(case) > limits.fit_peak - limits.moved_base - _most_spared(case)
+    for i in range(len(view.state)):
+        state = view.state[i]
+        if state != MOVED and (state != FIT or (free and not strained)):
+            continue
+        view.state[i] = FIT if state == MOVED else MOVED
+        optimum(case, case.one, at, goal)
+        view.state[i] = state
+        _part_way(goal, goal, 0.0, 0.0, tried)
+        if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
+            continue
+        # From where a limit stopped the climb, another way may lead on.
+        if free and _same(case):
+            continue
+        copy_view(case.two, case.one)
+        value = climb(case, tried)
+        if value > height + LEAST_GAIN:
+            add_peak(case, tried, value)
+            if value > best:
+                best = value
+                _part_way(tried, tried, 0.0, 0.0, top)
+        feasible(case, case.one, at)
+    return best
 
 
 @part

@@ -11,6 +11,7 @@ from situgraph.matching.boxes import (
     PY,
     TURN,
     YAW,
+    centre,
     radius,
     slack_of,
 )
@@ -18,11 +19,71 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.lookup import find
+from situgraph.matching.records import scratch
 from situgraph.matching.tables import PEAKS
+
+NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 
 
 @part
-def represented(case, box, at):
+def known_peak(case, box):
+    """A peak that represents all feasible placements of the box, -1 for none.
+
+    Of peaks that are the same only the highest becomes a candidate: it has to represent them too.
+    """
+    for k in range(min(case.found.count[PEAKS], len(case.found.peak))):
+        if _stands_for(case, k, box):
+            best = _highest_there(case, k)
+            if best == k or _stands_for(case, best, box):
+                return k
+    return -1
+
+
+@part
+def _highest_there(case, k):
+    """The highest of the peaks that are the same as ``k``, itself where none is higher."""
+    peaks, best = case.found.peak, k
+    for m in range(min(case.found.count[PEAKS], len(peaks))):
+        if peaks[m, 3] > peaks[best, 3] and _same_place(case, k, m):
+            best = m
+    return best
+
+
+@part
+def none_higher(case, k):
+    """Whether no peak can be higher than ``k``: all rooms explained, and no wall that has moved.
+
+    With the same planes fitting there is one optimum; any other has a plane moved at least.
+    """
+    seen, limits = case.seen, case.limits
+    most = seen.planes * limits.fit_peak + len(seen.storey) * limits.room_true
+    return case.found.peak[k, 3] >= most - (limits.fit_peak - limits.moved_base)
+
+
+@part
+def _stands_for(case, k, box):
+    """Whether peak ``k`` represents all feasible placements of the box."""
+    limits, middle, at = case.limits, scratch(3), case.found.peak[k]
+    centre(box, middle)
+    sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
+    apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
+    turned = abs(wrapped(at[0] - middle[0]))
+    if apart + sway <= limits.same_distance and turned + box[TURN] <= limits.same_yaw:
+        return True
+    near = apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]
+    return near and _represented(case, box, at)
+
+
+@part
+def _same_place(case, k, m):
+    """Whether two peaks are the same placement."""
+    one, two, limits = case.found.peak[k], case.found.peak[m], case.limits
+    apart = math.hypot(one[1] - two[1], one[2] - two[2])
+    return apart <= limits.same_distance and abs(wrapped(one[0] - two[0])) <= limits.same_yaw
+
+
+@part
+def _represented(case, box, at):
     """Whether all pairs of planes that can fit in the box fit at the placement ``at`` as well."""
     seen, plan, limits, finder, task = (
         case.seen,
@@ -78,20 +139,3 @@ def represented(case, box, at):
                     if there > limits.angle + SLACK or reach > limits.fit + SLACK:
                         return False
     return True
-
-
-@part
-def add_peak(case, at, height):
-    """Note a peak, unless it is known; where there is no room for it, it is only counted."""
-    peaks, count = case.found.peak, case.found.count
-    for k in range(min(count[PEAKS], len(peaks))):
-        if (
-            abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < 1e-4
-            and abs(wrapped(peaks[k, 0] - at[0])) < 1e-4
-        ):
-            return
-    if count[PEAKS] < len(peaks):
-        for k in range(3):
-            peaks[count[PEAKS], k] = at[k]
-        peaks[count[PEAKS], 3] = height
-    count[PEAKS] += 1

@@ -38,7 +38,7 @@ from situgraph.matching.cover import (
     spread,
     strayed,
 )
-from situgraph.matching.explained import may_explain, wrapped
+from situgraph.matching.explained import may_explain
 from situgraph.matching.ground import enough, lay, partners_lie
 from situgraph.matching.groups import NOWHERE, form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
@@ -51,10 +51,10 @@ from situgraph.matching.hypotheses import (
     pairs_of,
     split,
 )
-from situgraph.matching.peaks import climb, feasible, optimum
+from situgraph.matching.peaks import climb, feasible, optimum, rise
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
-from situgraph.matching.represented import add_peak, represented
+from situgraph.matching.represented import known_peak, none_higher
 from situgraph.matching.tables import (
     ANYWHERE,
     BOXES,
@@ -75,7 +75,6 @@ from situgraph.matching.views import (
 
 GUESSES = 3  # least squares from relaxed correspondences
 JOINED = 0.3  # half widths of a box put together of several, at most, metres
-NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 
 
 @part
@@ -323,19 +322,22 @@ def explore(case, start):
                 continue
         if found.count[STAGE] == WITHIN and outside(case, box):
             continue
-        if _known(case, box):
+        known = known_peak(case, box)
+        if known >= 0:
             spread(left, box)
-            continue
+            if none_higher(case, known):
+                continue
         before = found.count[PEAKS]
         state = _witness(case, box, arm, at)
         if state < 0:
             continue
         if state > 0:
-            height = climb(case, at)
-            add_peak(case, at, height)
-            if found.count[PEAKS] > before and _known(case, box):
-                spread(left, box)
-                continue
+            rise(case, at, climb(case, at))
+        if known >= 0:
+            continue
+        if found.count[PEAKS] > before and known_peak(case, box) >= 0:
+            spread(left, box)
+            continue
         side, widest = 0, box[TURN] * arm
         if box[HU] > widest:
             side, widest = 1, box[HU]
@@ -350,25 +352,6 @@ def explore(case, start):
         split(box, side, stack[depth], stack[depth + 1])
         depth += 2
     keep_left(case, left, arm)
-
-
-@part
-def _known(case, box):
-    """Whether a peak represents all feasible placements of the box."""
-    limits = case.limits
-    found, middle = case.found, scratch(3)
-    centre(box, middle)
-    sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
-    for k in range(min(found.count[PEAKS], len(found.peak))):
-        at = found.peak[k]
-        apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
-        turned = abs(wrapped(at[0] - middle[0]))
-        if apart + sway <= limits.same_distance and turned + box[TURN] <= limits.same_yaw:
-            return True
-        near = apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]
-        if near and represented(case, box, at):
-            return True
-    return False
 
 
 @part

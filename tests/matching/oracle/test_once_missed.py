@@ -23,6 +23,10 @@ def compared(number: int) -> Comparison:
         68,  # two peaks near each other, one box that led to one
         459,  # the peak of what was missed was listed, but for one more plane let go
         1152,  # the same, of a candidate without hope
+        899,  # the peak that stood for it was the same as a higher one, which did not
+        1908,  # the same
+        3791,  # the same
+        2494,  # it was told, but the plan was thought mirrored
     ],
 )
 def test_nothing_is_missed(number: int) -> None:
@@ -35,6 +39,8 @@ def test_nothing_is_missed(number: int) -> None:
         334,  # a rival holds half a per cent, so that the plan may be mirrored matters
         622,  # a limit had stopped the climb to the second solution
         1011,  # the same
+        2062,  # two walls could be let go; objects prefer the second
+        4091,  # a higher peak beside the first, from another corner
     ],
 )
 def test_the_verdicts_are_the_same(number: int) -> None:

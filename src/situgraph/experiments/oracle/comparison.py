@@ -73,7 +73,10 @@ def compare(
 
     ``own`` is the brute force's answer where it is known.
     """
-    everything = MatchingConfig(rival_ratio=0.0, outside_prior=1e-300, max_solutions=1_000_000)
+    never = 1e-300
+    everything = MatchingConfig(
+        rival_ratio=0.0, outside_prior=never, mirror_prior=never, max_solutions=1_000_000
+    )
     index = PlanIndex(prior)
     listed = match(online, index, semantics=problem.policy, config=everything).to_dict()
     told = match(online, index, semantics=problem.policy).to_dict()
