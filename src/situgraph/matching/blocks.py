@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterable
 from functools import cache
 from typing import Any, NamedTuple
@@ -34,41 +35,39 @@ class Block:
         sized = [sizes[s] if isinstance(s, str) else s for s in scheme.sizes]
         size = np.array(sized, dtype=np.int64)
         self._rows, self._columns = size[scheme.rows], size[scheme.columns]
-        words = self._rows * self._columns
-        ends = np.add.accumulate(words)
-        self._begins = ends - words
+        self._ends = ends = np.add.accumulate(self._rows * self._columns)
         self._words = slots = np.zeros(int(ends[-1]), dtype=np.int64)
-        self._reals = self._words.view(np.float64)
+        self._reals = slots.view(np.float64)
         self.place = address(slots)
-        slots[scheme.arrays] = self._begins[1:] * WORD + self.place
+        slots[scheme.arrays] = ends[:-1] * WORD + self.place
         slots[scheme.lengths] = size[scheme.shapes]
         slots[scheme.records] = scheme.begins + self.place
-        for name, slot, kind in scheme.given:
-            self._give(given[name], slot, kind)
+        flat: list[int] = []
+        for name, ndim in scheme.given:
+            value = given[name]
+            if ndim == 0:
+                flat.append(value)
+            elif ndim < 0:
+                flat.append(value.place)
+            elif value is None:
+                flat += (0,) * (1 + ndim)
+            else:
+                flat.append(address(value))
+                flat += value.shape
+        slots[scheme.told] = flat
+        for name, slot in scheme.reals:
+            self._reals[slot] = given[name]
 
     @classmethod
     def of(cls, declared: Any, values: Iterable[Any]) -> Block:
         """A record of which all is given, field by field."""
         return cls(declared, {}, **dict(zip(layout(declared), values)))
 
-    def _give(self, value: Any, slot: int, kind: Any) -> None:
-        if kind is types.float64:
-            self._reals[slot] = value
-        elif kind is types.int64:
-            self._words[slot] = value
-        elif isinstance(kind, Record):
-            self._words[slot] = value.place
-        elif value is not None:
-            self._words[slot] = address(value)
-            self._words[slot + 1 : slot + 1 + kind.ndim] = value.shape
-
     def array(self, path: str) -> Any:
         """An array that was laid out, by the names of the records it is in: ``case.found.peak``."""
-        k, kind = self._scheme.laid[path]
-        begin, rows, columns = int(self._begins[k]), int(self._rows[k]), int(self._columns[k])
-        held = self._reals if kind.dtype is types.float64 else self._words
-        made = held[begin : begin + rows * columns]
-        return made.reshape(rows, columns) if kind.ndim == 2 else made
+        k, real, ndim = self._scheme.laid[path]
+        made = (self._reals if real else self._words)[self._ends[k - 1] : self._ends[k]]
+        return made.reshape(self._rows[k], self._columns[k]) if ndim == 2 else made
 
     def arrays(self) -> dict[str, Any]:
         """The arrays of the record itself that were laid out, by name."""
@@ -76,8 +75,11 @@ class Block:
 
 
 def address(array: Any) -> int:
-    """Where the numbers of an array are."""
-    return int(array.__array_interface__["data"][0])
+    """Where the numbers of an array are, which must be writable and C-contiguous."""
+    return ctypes.addressof(_ANYWHERE.from_buffer(array))
+
+
+_ANYWHERE = ctypes.c_char * 0
 
 
 class Scheme(NamedTuple):
@@ -91,8 +93,10 @@ class Scheme(NamedTuple):
     shapes: Ints  # and which size each holds
     records: Ints  # the slot of each inner record's address
     begins: Ints  # and where that begins, in bytes
-    given: list[tuple[str, int, Any]]  # name, slot and kind
-    laid: dict[str, tuple[int, Any]]  # of each array by its path the number and the kind
+    given: list[tuple[str, int]]  # name and dimensions, 0 of a whole number, -1 of a record
+    told: Ints  # and their slots
+    reals: list[tuple[str, int]]  # numbers that are not whole, and their slots
+    laid: dict[str, tuple[int, bool, int]]  # of each array by its path: which, if real, dimensions
 
 
 @cache
@@ -100,7 +104,8 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
     """The scheme of a record; its fields of the names ``given`` are no inner records."""
     todo, slots = [("", declared, 0)], _width(declared)
     arrays: list[tuple[str, int, Field]] = []
-    inner, known = [], []
+    inner, known, reals = [], [], []
+    told: list[int] = []
     for path, record, start in todo:
         for name, field in layout(record).items():
             slot = start + field.slot
@@ -110,8 +115,11 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
                 inner.append((slot, slots * WORD))
                 todo.append((f"{path}{name}.", field.kind.declared, slots))
                 slots += _width(field.kind.declared)
+            elif field.kind is types.float64:
+                reals.append((name, slot))
             else:
-                known.append((name, slot, field.kind))
+                known.append((name, getattr(field.kind, "ndim", -isinstance(field.kind, Record))))
+                told += range(slot, slot + field.width)
     shapes = [field.sizes for _, _, field in arrays]
     sizes = tuple(dict.fromkeys((slots, 1, *(s for shape in shapes for s in shape))))
     number = {size: k for k, size in enumerate(sizes)}
@@ -125,7 +133,12 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
         _ints(slot for slot, _ in inner),
         _ints(begin for _, begin in inner),
         known,
-        {path: (k, field.kind) for k, (path, _, field) in enumerate(arrays, 1)},
+        _ints(told),
+        reals,
+        {
+            path: (k, field.kind.dtype is types.float64, field.kind.ndim)
+            for k, (path, _, field) in enumerate(arrays, 1)
+        },
     )
 
 

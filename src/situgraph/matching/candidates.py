@@ -63,13 +63,12 @@ class Known:
         kept = traced and stands(before, inputs)
         start = start_of(before, inputs, aim) if kept else None
         found = find_peaks(*tables, inputs.mapping, aim, start, traced=kept)
-        if start is not None and start.on and found[2][CUT]:
+        if start is not None and start.on and found[3][CUT]:
             start = start._replace(on=False)
             found = find_peaks(*tables, inputs.mapping, aim, start, traced=kept)
-        place, alike, done, traces = found
+        place, shift, alike, done, traces = found
         if traced:
             self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
-        shift = place[:, 0].astype(np.int64)
         place[:, 0] = inputs.shifts[shift]
         return Peaks(place, shift, alike, done)
 

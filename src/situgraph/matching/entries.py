@@ -49,7 +49,7 @@ class Search(NamedTuple):
     case: Case
     shifts: IntTable  # (k, U)
     shift: Annotated[Ints, "peaks"]
-    place: Annotated[Floats, "peaks", 4]  # yaw, x, y, L
+    place: Annotated[Floats, "peaks", 5]  # 0, yaw, x, y, L
     count: Annotated[Ints, 8]  # type: ignore[assignment]  # ``PEAKS`` to ``STAGE``
     left: Annotated[Floats, "boxes", "sides"]  # the cover
     left_shift: Annotated[Ints, "boxes"]
@@ -82,8 +82,8 @@ def find_peaks(
     start: Start | None = None,
     *,
     traced: bool = False,
-) -> tuple[Floats, Ints, Ints, Traces | None]:
-    """All peaks (k, 5) for all shifts of the storeys: row of ``shifts``, yaw, x, y, L.
+) -> tuple[Floats, Ints, Ints, Ints, Traces | None]:
+    """All peaks (k, 5) for all shifts of the storeys: 0, yaw, x, y, L; and the rows of ``shifts``.
 
     And how many prior rooms are like each online room; what was done: peaks, hypotheses, boxes, 1
     when incomplete, comparisons of planes, boxes left; and, where ``traced``, what a later search
@@ -108,9 +108,10 @@ def find_peaks(
         count: Ints = block.array("count").copy()
         if count[PEAKS] <= most:
             found = int(count[PEAKS])
-            peaks = np.column_stack([block.array("shift")[:found], block.array("place")[:found]])
+            place, shift = block.array("place")[:found].copy(), block.array("shift")[:found].copy()
             alike: Ints = block.array("case.found.alike").copy()
-            return peaks, alike, count, traces_of(block, len(shifts)) if traced else None
+            traces = traces_of(block, len(shifts)) if traced else None
+            return place, shift, alike, count, traces
         most *= 16
 
 
@@ -208,7 +209,7 @@ def _search_all(wanted):
             if kept < len(wanted.shift) and k < len(found.peak):
                 wanted.shift[kept] = z
                 for c in range(4):
-                    wanted.place[kept, c] = found.peak[k, c]
+                    wanted.place[kept, c + 1] = found.peak[k, c]
             kept += 1
         for k in range(found.count[LEFT]):
             if left < len(wanted.left) and k < len(found.cover):

@@ -22,9 +22,10 @@ from situgraph.matching.corners import (
 )
 from situgraph.matching.ground import BITS
 from situgraph.matching.plain import plain_rooms
-from situgraph.matching.reading import plan_lines, raw_rooms, storey_heights
-from situgraph.matching.semantics import PlannedObjects, planned_objects
-from situgraph.matching.tables import Floats, Ints, Plan
+from situgraph.matching.reading import limits_of, plan_lines, raw_rooms, storey_heights
+from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of
+from situgraph.matching.sightings import Rates
+from situgraph.matching.tables import Floats, Ints, Limits, Plan
 from situgraph.scenegraph.graph import SceneGraph
 
 MAP_MARGIN = 3.0  # metres around the room centres
@@ -55,17 +56,15 @@ class PlanIndex:
         self.config = config or MatchingConfig()
         centers, planes, names, counts = raw_rooms(prior)
         heights = storey_heights(prior)
-        kept, first, normal, distance, source = plan_lines(
-            centers, planes, names, counts, self.config.usable_tilt
-        )
-        self.kept: Ints = kept
-        self.source: Ints = source
+        lines = plan_lines(centers, planes, names, counts, self.config.usable_tilt)
+        self.kept: Ints = (kept := lines.kept)
+        self.source: Ints = lines.source
         # Numbers stay small, whatever far away origin the model has.
         self.origin: Floats = centers[kept, :2].mean(axis=0) if len(kept) else np.zeros(2)
         self.center: Floats = centers[kept, :2] - self.origin
         self.elevations: Floats = np.unique(heights[kept])
         self.area = _area(centers[:, :2], heights, self.config.plan_margin)
-        self.table = self._table(first, normal, distance, heights[kept])
+        self.table = self._table(lines.first, lines.normal, lines.distance, heights[kept])
         self.room_ids = [prior.rooms[k].id for k in kept]
         self.seconds = time.perf_counter() - begin
 
@@ -78,6 +77,16 @@ class PlanIndex:
     def objects(self) -> PlannedObjects:
         """The objects of the plan that are evidence."""
         return planned_objects(self.prior, self.kept, self.origin, self.config)
+
+    @cached_property
+    def rates(self) -> Rates:
+        """The error rates of the plan's categories."""
+        return rates_of(self.objects, self.config)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """The constants of a search."""
+        return limits_of(self.config)
 
     @property
     def rooms(self) -> int:

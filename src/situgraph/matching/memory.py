@@ -75,7 +75,7 @@ def _rows(former: Inputs, inputs: Inputs) -> Ints:
     planes = np.diff(now.first)
     same = (row >= 0) & (np.diff(then.first)[row] == planes)
     same &= (then.center[former.kept[row]] == now.center[inputs.kept]).all(axis=1)
-    same &= then.storeys[former.kept[row]] == now.storeys[inputs.kept]
+    same &= former.storeys[former.kept[row]] == inputs.storeys[inputs.kept]
     # Row by row of the planes of these rooms.
     room = np.repeat(np.arange(len(row)), planes)[np.repeat(same, planes)]
     here = np.flatnonzero(np.repeat(same, planes))

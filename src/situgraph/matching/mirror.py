@@ -56,9 +56,11 @@ def aim_at(inputs: Inputs, least: float) -> Aim:
         most += float(alone.sum()) + together
         loss += in_one_room(inputs.objects, alone, rooms)
     budget = most - least + SLACK
-    spared = int((np.cumsum(np.sort(loss)) <= budget).sum())
+    ranked = np.sort(loss)
+    spared = int((ranked.cumsum() <= budget).sum())
     # Rooms that lose more than most are not told apart, so that groups can be formed of any.
-    return Aim(max(inputs.least, rooms - spared), np.minimum(loss, np.median(loss)), budget)
+    median = (ranked[(rooms - 1) // 2] + ranked[rooms // 2]) / 2
+    return Aim(max(inputs.least, rooms - spared), np.minimum(loss, median), budget)
 
 
 def _losses(inputs: Inputs) -> Floats:

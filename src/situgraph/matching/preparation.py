@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,22 +11,19 @@ from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import content_of, no_content
 from situgraph.matching.entries import views_at
 from situgraph.matching.index import PlanIndex
-from situgraph.matching.reading import limits_of, plan_lines, raw_rooms, seen_table, storey_heights
+from situgraph.matching.reading import (
+    Lines,
+    limits_of,
+    plan_lines,
+    raw_rooms,
+    seen_table,
+    storey_heights,
+)
 from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
 from situgraph.matching.sightings import Rates, weigh
 from situgraph.matching.storeys import storey_shifts
 from situgraph.matching.tables import Aim, Content, Floats, Ints, Limits, Seen, View, explaining
 from situgraph.scenegraph.graph import SceneGraph
-
-
-class Lines(NamedTuple):
-    """The online rooms that count, as lines of the map."""
-
-    center: Floats  # (R, 3) of all rooms
-    first: Ints  # (N + 1,)
-    normal: Floats  # (P, 2)
-    distance: Floats  # (P,)
-    storeys: Ints  # (R,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +37,8 @@ class Inputs:
     flipped: bool  # whether it is the mirror image (x to -x) of the online graph
     kept: Ints  # the online rooms that count
     source: Ints  # the online plane of each row
-    lines: Lines
+    lines: Lines  # the rooms that count; not mirrored
+    storeys: Ints  # of all online rooms
     seen: Seen
     middle: Floats  # the mean of the room centres, map frame
     content: Content
@@ -77,15 +74,14 @@ class Inputs:
     @cached_property
     def rates(self) -> Rates:
         """The error rates of the plan's categories."""
+        if self.config is self.index.config:
+            return self.index.rates
         return rates_of(self.index.objects, self.config)
 
     def mirrored(self) -> Inputs:
         """The same of the mirror image (x to -x) of the online graph."""
-        lines = self.lines._replace(
-            center=self.lines.center * (-1.0, 1.0, 1.0), normal=self.lines.normal * (-1.0, 1.0)
-        )
-        seen, middle = _seen(lines, self.kept, self.source, self.limits)
-        return replace(self, flipped=True, lines=lines, seen=seen, middle=middle)
+        seen, middle = seen_table(self.lines, self.storeys, self.limits, True)
+        return replace(self, flipped=True, seen=seen, middle=middle)
 
     def views(self, shift: Ints, at: Floats) -> View:
         """What is explained at placements (k,), (k, 3): ``View``'s fields, a placement a row."""
@@ -108,26 +104,17 @@ def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: Matchi
     Raises:
         InputError: a room names a plane that is not there.
     """
-    limits = limits_of(config)
-    centers, planes, names, counts = raw_rooms(online)
-    kept, first, normal, distance, source = plan_lines(
-        centers, planes, names, counts, config.usable_tilt
-    )
-    heights, storeys = np.unique(storey_heights(online)[kept], return_inverse=True)
-    every = np.zeros(len(counts), dtype=np.int64)
-    every[kept] = storeys
-    lines = Lines(centers, first, normal, distance, every)
-    seen, middle = _seen(lines, kept, source, limits)
+    limits = index.limits if config is index.config else limits_of(config)
+    lines = plan_lines(*raw_rooms(online), config.usable_tilt)
+    levels = storey_heights(online)
+    heights = np.array(sorted(set(levels[lines.kept].tolist())))
+    storeys = np.searchsorted(heights, levels)
+    seen, middle = seen_table(lines, storeys, limits, False)
     shifts, mapping = storey_shifts(heights, index.elevations, config.storey_tolerance)
     content = no_content()
     if semantics == "containment":
-        content = content_of(online, index.stock, kept, first, source)
+        content = content_of(online, index.stock, lines.kept, lines.first, lines.source)
     return Inputs(
-        online, index, config, semantics, False, kept, source, lines, seen, middle, content,
-        shifts, mapping, limits,
+        online, index, config, semantics, False, lines.kept, lines.source, lines, storeys, seen,
+        middle, content, shifts, mapping, limits,
     )  # fmt: skip
-
-
-def _seen(lines: Lines, kept: Ints, source: Ints, limits: Limits) -> tuple[Seen, Floats]:
-    center, first, normal, distance, storeys = lines
-    return seen_table(center, kept, first, normal, distance, source, storeys, limits)

@@ -64,9 +64,8 @@ def raw_rooms(graph: SceneGraph) -> tuple[Floats, Floats, Ints, Ints]:
         problem = f"a room names the plane {error.args[0]!r}, which is not there"
         raise InputError(graph.name or "scene graph", problem, "add the plane") from error
     centers = np.array([r.center for r in graph.rooms], dtype=np.float64).reshape(-1, 3)
-    planes = np.array([(*p.normal, p.offset) for p in graph.planes], dtype=np.float64).reshape(
-        -1, 4
-    )
+    flat = [number for p in graph.planes for number in (*p.normal, p.offset)]
+    planes = np.array(flat, dtype=np.float64).reshape(-1, 4)
     counts = np.array([len(r.planes) for r in graph.rooms], dtype=np.int64)
     return centers, planes, np.array(names, dtype=np.int64), counts
 
@@ -93,30 +92,42 @@ class Reading(NamedTuple):
     done: Annotated[Ints, 1]  # how many rooms count
 
 
-def plan_lines(
-    centers: Floats, planes: Floats, names: Ints, counts: Ints, tilt: float
-) -> tuple[Ints, Ints, Floats, Floats, Ints]:
-    """Rooms with two usable planes as lines in the plan.
+class Lines(NamedTuple):
+    """Rooms with two usable planes as lines in the plan."""
 
-    Returns which rooms count, ``first``, and for each room's usable planes the normal (Q, 2), the
-    signed distance of the room's centre (Q,), the row in ``planes`` (Q,).
-    """
-    sizes = {"R": len(counts), "R + 1": len(counts) + 1, "K": len(names)}
+    center: Floats  # (R, 3) of all rooms
+    kept: Ints  # (N,) the rooms that count
+    first: Ints  # (N + 1,) the rows of each
+    normal: Floats  # (P, 2)
+    distance: Floats  # (P,) signed, of the room's centre
+    source: Ints  # (P,) the plane
+    block: Block  # of the ``Reading``
+
+
+def plan_lines(centers: Floats, planes: Floats, names: Ints, counts: Ints, tilt: float) -> Lines:
+    """The lines of the rooms that count."""
     block = Block(
         Reading,
-        sizes,
-        center=np.ascontiguousarray(centers),
-        planes=np.ascontiguousarray(planes),
+        {"R": len(counts), "R + 1": len(counts) + 1, "K": len(names)},
+        center=centers,
+        planes=planes,
         name=names,
         number=counts,
         steepest=math.sin(tilt) + 1e-12,
     )
     read_lines(block.place)
-    rooms = int(block.array("done")[0])
-    first = block.array("first")[: rooms + 1]
-    rows = int(first[rooms])
-    normal, distance, source = map(block.array, ("normal", "distance", "source"))
-    return block.array("kept")[:rooms], first, normal[:rows], distance[:rows], source[:rows]
+    made = block.arrays()
+    rooms = int(made["done"][0])
+    rows = int(made["first"][rooms])
+    return Lines(
+        centers,
+        made["kept"][:rooms],
+        made["first"][: rooms + 1],
+        made["normal"][:rows],
+        made["distance"][:rows],
+        made["source"][:rows],
+        block,
+    )
 
 
 @entry
@@ -158,60 +169,45 @@ class Drafting(NamedTuple):
     """An online graph's lines, and the table to be made of them."""
 
     seen: Seen
-    center: Table  # (R, 3)
-    kept: Ints  # (N,)
-    normal: Table  # (P, 2)
-    source: Ints  # (P,)
+    lines: Reading
+    limits: Limits
     storeys: Ints  # (R,)
-    sine: float
-    moved: float
-    angle: float
+    side: float  # -1 for the mirror image
     number: Annotated[Ints, "largest source + 1"]
     share: Annotated[Floats, "planes"]
     middle: Annotated[Floats, 2]
 
 
-def seen_table(
-    centers: Floats,
-    kept: Ints,
-    first: Ints,
-    normal: Floats,
-    distance: Floats,
-    source: Ints,
-    storeys: Ints,
-    limits: Limits,
-) -> tuple[Seen, Floats]:
-    """The online rooms as the search wants them, and the mean of their centres (2,)."""
-    begins, sources = first.tolist(), source.tolist()
-    counts = [end - begin for begin, end in pairwise(begins)]
+def seen_table(lines: Lines, storeys: Ints, limits: Limits, flipped: bool) -> tuple[Seen, Floats]:
+    """The online rooms as the search wants them, and the mean of their centres (2,).
+
+    ``storeys`` (R,) of all rooms; ``flipped``: of the mirror image (x to -x).
+    """
+    sources = lines.source.tolist()
+    counts = [end - begin for begin, end in pairwise(lines.first.tolist())]
     planes, widest = len(set(sources)), max(counts, default=1)
     sizes = {
-        "N": len(kept),
-        "N + 1": len(kept) + 1,
+        "N": len(counts),
+        "N + 1": len(counts) + 1,
         "P": len(sources),
         "planes": planes,
         "crossings": sum(n * (n - 1) // 2 for n in counts),
-        "probes": 3 * len(kept),
+        "probes": 3 * len(counts),
         "largest source + 1": max(sources, default=-1) + 1,
     }
     block = Block(Seen, sizes, planes=planes, widest=widest)
-    arrays = block.arrays()
-    arrays["first"][:], arrays["distance"][:] = first, distance
     draft = Block(
         Drafting,
         sizes,
         seen=block,
-        center=np.ascontiguousarray(centers),
-        kept=kept,
-        normal=np.ascontiguousarray(normal),
-        source=source,
+        lines=lines.block,
+        limits=limits.slots,
         storeys=storeys,
-        sine=limits.sine,
-        moved=limits.moved,
-        angle=limits.angle,
+        side=-1.0 if flipped else 1.0,
     )
     draw_seen(draft.place)
-    return Seen(**arrays, planes=planes, widest=widest, slots=block), draft.array("middle")
+    seen = Seen(**block.arrays(), planes=planes, widest=widest, slots=block)
+    return seen, draft.array("middle")
 
 
 @entry
@@ -222,21 +218,25 @@ def draw_seen(place):
 
 @part
 def _draw_seen(t):
-    seen, middle = t.seen, t.middle
-    rooms = len(t.kept)
+    seen, lines, middle = t.seen, t.lines, t.middle
+    rooms = len(seen.storey)
     for k in range(rooms):
-        middle[0] += t.center[t.kept[k], 0] / rooms
-        middle[1] += t.center[t.kept[k], 1] / rooms
+        center = lines.center[lines.kept[k]]
+        middle[0] += t.side * center[0] / rooms
+        middle[1] += center[1] / rooms
     for k in range(rooms):
-        seen.center[k, 0] = t.center[t.kept[k], 0] - middle[0]
-        seen.center[k, 1] = t.center[t.kept[k], 1] - middle[1]
-        seen.storey[k] = t.storeys[t.kept[k]]
+        center = lines.center[lines.kept[k]]
+        seen.center[k, 0] = t.side * center[0] - middle[0]
+        seen.center[k, 1] = center[1] - middle[1]
+        seen.storey[k] = t.storeys[lines.kept[k]]
+        seen.first[k + 1] = lines.first[k + 1]
     for k in range(len(seen.angle)):
-        seen.angle[k] = math.atan2(t.normal[k, 1], t.normal[k, 0])
+        seen.angle[k] = math.atan2(lines.normal[k, 1], t.side * lines.normal[k, 0])
+        seen.distance[k] = lines.distance[k]
     _number(t)
     probes = 0
     for r in range(rooms):
-        found = _probes(seen, r, t.sine, probes)
+        found = _probes(seen, r, t.limits.sine, probes)
         seen.flat[r] = 1 if found == 0 else 0
         strict = found == 0 or seen.first[r + 1] - seen.first[r] == 2
         seen.strict[r] = 1 if strict else 0
@@ -244,7 +244,7 @@ def _draw_seen(t):
             _place_probe(t, r, k)
         probes += found
         seen.probe_first[r + 1] = probes
-        square(seen, r, t.angle / 2, t.angle, seen.plain[r])
+        square(seen, r, t.limits.angle / 2, t.limits.angle, seen.plain[r])
     _shape(t)
     _crossings(t)
 
@@ -257,15 +257,15 @@ def _place_probe(t, r, k):
     length = math.sqrt(arm[0] * arm[0] + arm[1] * arm[1])
     arm[0] += seen.center[r, 0]
     arm[1] += seen.center[r, 1]
-    seen.probe_reach[k] = _reach(seen.angle[j] - seen.angle[i], length, t)
+    seen.probe_reach[k] = _reach(seen.angle[j] - seen.angle[i], length, t.limits)
 
 
 @part
 def _number(t):
     """Distinct planes numbered in the order they are met."""
     number, count = t.number, 0
-    for k in range(len(t.source)):
-        p = t.source[k]
+    for k in range(len(t.seen.plane)):
+        p = t.lines.source[k]
         if number[p] == 0:
             count += 1
             number[p] = count
@@ -293,7 +293,7 @@ def _crossings(t):
     for r in range(len(seen.storey)):
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(i + 1, seen.first[r + 1]):
-                if abs(math.sin(seen.angle[j] - seen.angle[i])) >= t.sine:
+                if abs(math.sin(seen.angle[j] - seen.angle[i])) >= t.limits.sine:
                     seen.crossed[count, 0] = i
                     seen.crossed[count, 1] = j
                     count += 1

@@ -75,11 +75,12 @@ def seen_objects(
     ``flipped``: of the mirror image, of which ``middle`` is the mean room centre.
     """
     rooms = {online.rooms[k].id: i for i, k in enumerate(kept.tolist())}
-    objects = [
-        o
-        for o in online.objects
-        if o.category in planned.column and any(r in rooms for r in o.rooms)
-    ]
+    objects, homes = [], []
+    for o in online.objects:
+        home = [rooms[r] for r in o.rooms if r in rooms]
+        if home and o.category in planned.column:
+            objects.append(o)
+            homes.append(home)
     rows: dict[str, list[int]] = {}
     for k, plane in enumerate(source.tolist()):
         rows.setdefault(online.planes[plane].id, []).append(k)
@@ -89,7 +90,7 @@ def seen_objects(
     table = Sighted(
         np.array([planned.column[o.category] for o in objects], dtype=np.int64),
         place - middle,
-        *_packed([rooms[r] for r in o.rooms if r in rooms] for o in objects),
+        *_packed(homes),
         *_packed([k for p in o.planes for k in rows.get(p, ())] for o in objects),
         np.array([bool(o.planes) for o in objects], dtype=np.int64),
     )
