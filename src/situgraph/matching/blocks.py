@@ -32,16 +32,14 @@ class Block:
         """Lay out a named tuple of this class."""
         self._given = given
         self._scheme = scheme = _scheme(declared, tuple(given))
-        sized = [sizes[s] if isinstance(s, str) else s for s in scheme.sizes]
-        size = np.array(sized, dtype=np.int64)
+        size = np.array((*scheme.numbers, *map(sizes.__getitem__, scheme.names)), dtype=np.int64)
         self._rows, self._columns = size[scheme.rows], size[scheme.columns]
         self._ends = ends = np.add.accumulate(self._rows * self._columns)
         self._words = slots = np.zeros(int(ends[-1]), dtype=np.int64)
         self._reals = slots.view(np.float64)
         self.place = address(slots)
-        slots[scheme.arrays] = ends[:-1] * WORD + self.place
+        slots[scheme.addresses] = ends[:-1] * WORD + self.place
         slots[scheme.lengths] = size[scheme.shapes]
-        slots[scheme.records] = scheme.begins + self.place
         flat: list[int] = []
         for name, ndim in scheme.given:
             value = given[name]
@@ -83,37 +81,35 @@ _ANYWHERE = ctypes.c_char * 0
 
 
 class Scheme(NamedTuple):
-    """How records are laid out, but for sizes that are known later."""
+    """How a record, those in it and their arrays lie one after the other, but for the sizes."""
 
-    sizes: tuple[int | str, ...]
-    rows: Ints  # (k + 1,) which size, of all slots and of each array
-    columns: Ints  # (k + 1,)
-    arrays: Ints  # (k,) the slot of each array's address
+    numbers: tuple[int, ...]  # the sizes that are known
+    names: tuple[str, ...]  # the others
+    rows: Ints  # (k,) of each piece, which size
+    columns: Ints  # (k,)
+    addresses: Ints  # (k - 1,) the slot of the address of each piece but the first
     lengths: Ints  # slots of the arrays' shapes
     shapes: Ints  # and which size each holds
-    records: Ints  # the slot of each inner record's address
-    begins: Ints  # and where that begins, in bytes
     given: list[tuple[str, int]]  # name and dimensions, 0 of a whole number, -1 of a record
     told: Ints  # and their slots
     reals: list[tuple[str, int]]  # numbers that are not whole, and their slots
-    laid: dict[str, tuple[int, bool, int]]  # of each array by its path: which, if real, dimensions
+    laid: dict[str, tuple[int, bool, int]]  # arrays by path: which piece, if real, dimensions
 
 
 @cache
 def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
     """The scheme of a record; its fields of the names ``given`` are no inner records."""
-    todo, slots = [("", declared, 0)], _width(declared)
+    inner, slots = [("", declared, 0, 0)], _width(declared)
     arrays: list[tuple[str, int, Field]] = []
-    inner, known, reals = [], [], []
+    known, reals = [], []
     told: list[int] = []
-    for path, record, start in todo:
+    for path, record, start, _ in inner:
         for name, field in layout(record).items():
             slot = start + field.slot
             if field.sizes:
                 arrays.append((path + name, slot, field))
             elif isinstance(field.kind, Record) and name not in given:
-                inner.append((slot, slots * WORD))
-                todo.append((f"{path}{name}.", field.kind.declared, slots))
+                inner.append((f"{path}{name}.", field.kind.declared, slots, slot))
                 slots += _width(field.kind.declared)
             elif field.kind is types.float64:
                 reals.append((name, slot))
@@ -121,23 +117,25 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
                 known.append((name, getattr(field.kind, "ndim", -isinstance(field.kind, Record))))
                 told += range(slot, slot + field.width)
     shapes = [field.sizes for _, _, field in arrays]
-    sizes = tuple(dict.fromkeys((slots, 1, *(s for shape in shapes for s in shape))))
-    number = {size: k for k, size in enumerate(sizes)}
+    pieces = [(_width(record),) for _, record, _, _ in inner] + shapes
+    sizes = dict.fromkeys((1, *(s for piece in pieces for s in piece)))
+    numbers = tuple(s for s in sizes if isinstance(s, int))
+    names = tuple(s for s in sizes if isinstance(s, str))
+    number = {size: k for k, size in enumerate((*numbers, *names))}
     return Scheme(
-        sizes,
-        _ints(number[shape[0]] for shape in [(slots,), *shapes]),
-        _ints(number[shape[1] if len(shape) == 2 else 1] for shape in [(slots,), *shapes]),
-        _ints(slot for _, slot, _ in arrays),
+        numbers,
+        names,
+        _ints(number[piece[0]] for piece in pieces),
+        _ints(number[piece[1] if len(piece) == 2 else 1] for piece in pieces),
+        _ints([*(slot for *_, slot in inner[1:]), *(slot for _, slot, _ in arrays)]),
         _ints(slot + 1 + k for _, slot, field in arrays for k in range(len(field.sizes))),
         _ints(number[size] for shape in shapes for size in shape),
-        _ints(slot for slot, _ in inner),
-        _ints(begin for _, begin in inner),
         known,
         _ints(told),
         reals,
         {
             path: (k, field.kind.dtype is types.float64, field.kind.ndim)
-            for k, (path, _, field) in enumerate(arrays, 1)
+            for k, (path, _, field) in enumerate(arrays, len(inner))
         },
     )
 
