@@ -9,7 +9,7 @@ import pytest
 
 from situgraph.errors import InputError
 from situgraph.geometry.poses import Placement
-from situgraph.matching import Matcher, PlanIndex
+from situgraph.matching import Matcher, PlanIndex, compiled, entries, matcher
 from situgraph.matching.matcher import match
 from situgraph.plan.sampler import sample_online
 from situgraph.plan.sampler_config import REALISTIC
@@ -149,3 +149,13 @@ def test_an_object_more_is_a_match_from_scratch(semantics: str) -> None:
         for found in (mine, theirs):
             del found["stats"]["seconds"]
         assert mine == theirs
+
+
+def test_the_first_use_ever_says_that_it_compiles(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(compiled, "_FOLDER", None)
+    monkeypatch.setattr(matcher, "search_all", compiled.entry(entries.search_all.py_func))
+    prior = building(RECTANGLES)
+    match(prior, prior)
+    assert "compiling" in capsys.readouterr().err

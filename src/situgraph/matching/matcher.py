@@ -11,7 +11,7 @@ import numpy as np
 from situgraph.matching.candidates import Known, find
 from situgraph.matching.compiled import announce_compilation
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.entries import find_peaks
+from situgraph.matching.entries import search_all
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.mirror import log_mirror
 from situgraph.matching.posterior import judge, log_outside
@@ -61,7 +61,7 @@ def match_knowing(
     and these semantics.
     """
     begin = time.perf_counter()
-    announce_compilation(find_peaks)
+    announce_compilation(search_all)
     inputs = prepare(online, index, semantics, settings)
     searched = time.perf_counter()
     peaks = find(inputs, inputs.aim, known)

@@ -64,11 +64,10 @@ def aim_at(inputs: Inputs, least: float) -> Aim:
 
 
 def _losses(inputs: Inputs) -> Floats:
-    """What each online room's walls at least take from the largest L when it is not explained."""
-    seen, limits, rooms = inputs.seen, inputs.limits, len(inputs.kept)
-    room = np.repeat(np.arange(rooms), np.diff(seen.first))
-    # A plane that other rooms share may still fit in those.
-    occurrences = np.bincount(seen.plane, minlength=seen.planes)
-    own = np.bincount(room[occurrences[seen.plane] == 1], minlength=rooms)
+    """What each online room's walls at least take from the largest L when it is not explained.
+
+    A plane that other rooms share may still fit in those.
+    """
+    limits = inputs.limits
     lost = max(limits.room_true - limits.room_false, 0.0)
-    return np.asarray(lost + LEAST_LOSS + own * limits.fit_peak, dtype=float)
+    return np.asarray(lost + LEAST_LOSS + inputs.seen.own * limits.fit_peak, dtype=float)

@@ -274,11 +274,16 @@ def _number(t):
 
 @part
 def _shape(t):
-    """Planes of each room but for two, four at most; a plane of k rooms counts 1 / k."""
+    """Planes of each room but for two, four at most; a plane of k rooms counts 1 / k.
+
+    And how many are in no other room.
+    """
     seen = t.seen
     for k in range(len(seen.plane)):
         t.share[seen.plane[k]] += 1.0
     for r in range(len(seen.shape)):
+        for i in range(seen.first[r], seen.first[r + 1]):
+            seen.own[r] += t.share[seen.plane[i]] == 1.0
         if seen.first[r + 1] - seen.first[r] > 2:
             total = 0.0
             for i in range(seen.first[r], seen.first[r + 1]):

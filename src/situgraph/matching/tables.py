@@ -72,6 +72,7 @@ class Seen(NamedTuple):
     flat: Annotated[Ints, "N"]  # whether all planes are parallel
     storey: Annotated[Ints, "N"]
     shape: Annotated[Floats, "N"]  # how many of its planes a similar shape would explain
+    own: Annotated[Ints, "N"]  # how many of its planes are in no other room
     crossed_first: Annotated[Ints, "N + 1"]  # pairs of a room's planes that are not parallel
     crossed: Annotated[Ints, "crossings", 2]
     probe_first: Annotated[Ints, "N + 1"]  # corners by which a room is looked up
