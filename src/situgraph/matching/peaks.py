@@ -12,10 +12,11 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.explained import wrapped
 from situgraph.matching.records import scratch
-from situgraph.matching.tables import FIT, MOVED, PEAKS
+from situgraph.matching.tables import BOXES, FIT, MOVED, PEAKS
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
 ROUNDS = 30
+UNHURRIED = 2_000  # boxes
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 ARRIVED = 1e-6  # metres and radians from the optimum
@@ -152,16 +153,34 @@ def add_peak(case, at, height):
 
 
 @part
+def hurried(case):
+    """Whether so much was searched that higher peaks beside known ones are not looked for."""
+    return case.found.count[BOXES] > UNHURRIED
+
+
+@part
+def same_place(case, one, two):
+    """Whether two peaks (yaw, x, y, L) are the same placement."""
+    apart = math.hypot(one[1] - two[1], one[2] - two[2])
+    turned = abs(wrapped(one[0] - two[0]))
+    return apart <= case.limits.same_distance and turned <= case.limits.same_yaw
+
+
+@part
 def rise(case, at, height):
-    """Note a peak ``at`` (3,), unless it is known, and those to which it leads.
+    """Note a peak ``at`` (3,), and if it is the highest of its place, those to which it leads.
 
     Peaks that are the same placement differ in which planes fit: it is climbed on with one plane
     let go, or held again, as long as that leads higher. All higher ones are noted, as objects may
     prefer one that by the walls is as good as another. ``case.one`` must be the view at the peak.
     """
-    before = case.found.count[PEAKS]
+    peaks, highest = case.found.peak, not hurried(case)
+    for k in range(min(case.found.count[PEAKS], len(peaks))):
+        if peaks[k, 3] >= height - LEAST_GAIN and same_place(case, peaks[k], at):
+            highest = False
+            break
     add_peak(case, at, height)
-    if case.found.count[PEAKS] == before:
+    if not highest:
         return
     goal, tried, top = scratch(3), scratch(3), scratch(3)
     while True:

@@ -19,6 +19,7 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.lookup import find
+from situgraph.matching.peaks import hurried, same_place
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import PEAKS
 
@@ -34,7 +35,7 @@ def known_peak(case, box):
     for k in range(min(case.found.count[PEAKS], len(case.found.peak))):
         if _stands_for(case, k, box):
             best = _highest_there(case, k)
-            if best == k or _stands_for(case, best, box):
+            if best == k or hurried(case) or _stands_for(case, best, box):
                 return k
     return -1
 
@@ -44,7 +45,7 @@ def _highest_there(case, k):
     """The highest of the peaks that are the same as ``k``, itself where none is higher."""
     peaks, best = case.found.peak, k
     for m in range(min(case.found.count[PEAKS], len(peaks))):
-        if peaks[m, 3] > peaks[best, 3] and _same_place(case, k, m):
+        if peaks[m, 3] > peaks[best, 3] and same_place(case, peaks[k], peaks[m]):
             best = m
     return best
 
@@ -72,14 +73,6 @@ def _stands_for(case, k, box):
         return True
     near = apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]
     return near and _represented(case, box, at)
-
-
-@part
-def _same_place(case, k, m):
-    """Whether two peaks are the same placement."""
-    one, two, limits = case.found.peak[k], case.found.peak[m], case.limits
-    apart = math.hypot(one[1] - two[1], one[2] - two[2])
-    return apart <= limits.same_distance and abs(wrapped(one[0] - two[0])) <= limits.same_yaw
 
 
 @part

@@ -51,7 +51,7 @@ from situgraph.matching.hypotheses import (
     pairs_of,
     split,
 )
-from situgraph.matching.peaks import climb, feasible, optimum, rise
+from situgraph.matching.peaks import climb, feasible, hurried, optimum, rise
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import known_peak, none_higher
@@ -73,6 +73,7 @@ from situgraph.matching.views import (
     look,
 )
 
+LOOKS = 30  # boxes of one hypothesis in which a higher peak than the known one is looked for
 GUESSES = 3  # least squares from relaxed correspondences
 JOINED = 0.3  # half widths of a box put together of several, at most, metres
 
@@ -305,7 +306,7 @@ def explore(case, start):
     stack, box, at, left = found.stack, scratch(SIDES), scratch(3), scratch(SIDES)
     nothing_left(left)
     copy_box(start, stack[0])
-    depth = 1
+    depth, looks = 1, 0
     while depth > 0:
         depth -= 1
         copy_box(stack[depth], box)
@@ -325,7 +326,8 @@ def explore(case, start):
         known = known_peak(case, box)
         if known >= 0:
             spread(left, box)
-            if none_higher(case, known):
+            looks += 1
+            if looks > LOOKS or hurried(case) or none_higher(case, known):
                 continue
         before = found.count[PEAKS]
         state = _witness(case, box, arm, at)
