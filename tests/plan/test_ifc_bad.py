@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -173,3 +174,13 @@ def test_a_crash_of_the_parser_stays_in_the_child(
     (crashing / "ifcopenshell" / "__init__.py").write_text(source)
     monkeypatch.syspath_prepend(str(crashing))
     assert "crashes the IFC parser" in refused(good, PlanConfig())
+
+
+def test_the_memory_of_a_child_is_its_own() -> None:
+    child = "from situgraph.plan.ifc import peak_memory_mb; print(peak_memory_mb())"
+    parent = (
+        "import subprocess, sys; kept = bytearray(b'x') * 400_000_000; "
+        f"subprocess.run([sys.executable, '-c', {child!r}], check=True)"
+    )
+    done = subprocess.run([sys.executable, "-c", parent], capture_output=True, check=True)
+    assert 5.0 < float(done.stdout) < 350.0

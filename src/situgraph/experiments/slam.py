@@ -20,6 +20,7 @@ from situgraph.config import Settings
 from situgraph.errors import InputError
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
+from situgraph.plan.ifc import peak_memory_mb
 
 DATA = "../shared/data"
 SEEDS = (1, 3)
@@ -28,7 +29,6 @@ REPEATS = (2, 17)  # times through the six rooms: about 3 and 30 minutes
 # Images make a drive twice as long to simulate; by default only these have them.
 WITH_CAMERA = ("six rooms", "FZK-Haus", "six rooms, a dark image")
 FAULTY = "six rooms"  # the building of the drives with faults
-MB = 1024.0 * 1024.0
 
 
 def run(options: RunOptions) -> ExperimentResult:
@@ -100,7 +100,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
         "seconds": pipeline.seconds,
         "isam_p95_ms": float(np.percentile(steps, 95)),
         "isam_max_ms": float(steps.max()),
-        "peak_mb": peak_mb(),
+        "peak_mb": peak_memory_mb(),
         "verdict": result.verdict,
         "solutions": result.count,
         "warnings": sorted({w.code for w in pipeline.warnings}),
@@ -169,17 +169,6 @@ def reset_peak() -> None:
     """Let the kernel count the peak of memory from now on, where it can (Linux)."""
     with contextlib.suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
-
-
-def peak_mb() -> float:
-    """The most memory (MB) that this process held, since ``reset_peak`` where that works."""
-    import resource
-
-    with contextlib.suppress(OSError):
-        for line in Path("/proc/self/status").read_text().splitlines():
-            if line.startswith("VmHWM:"):
-                return float(line.split()[1]) * 1024.0 / MB
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0 / MB
 
 
 def draw(result: ExperimentResult, folder: Path) -> None:

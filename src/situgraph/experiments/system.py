@@ -20,6 +20,7 @@ import numpy as np
 
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
+from situgraph.plan.ifc import peak_memory_mb
 from situgraph.plan.layout_config import Kind
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def run(options: RunOptions) -> ExperimentResult:
 
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One run."""
-    from situgraph.experiments.slam import peak_mb, reset_peak
+    from situgraph.experiments.slam import reset_peak
     from situgraph.judging import outcome
 
     reset_peak()
@@ -90,7 +91,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
         "reason": done.reason,
         "moved": [d.ids for d in truth.deviations if d.kind == "moved-wall"],
         "realtime": done.realtime,
-        "peak_mb": peak_mb(),
+        "peak_mb": peak_memory_mb(),
         "warnings": sorted({w.code for w in done.warnings}),
     }
 

@@ -6,6 +6,7 @@ flood of memory or an endless loop ends that process and becomes one sentence he
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import time
@@ -95,6 +96,10 @@ def build_graph(path: str | os.PathLike[str], config: PlanConfig) -> SceneGraph:
 
 def peak_memory_mb() -> float:
     """The largest resident memory of this process so far (MB), 0 where it is not known."""
+    with contextlib.suppress(OSError):  # Linux; what `resource` says there begins with the parent's
+        for line in Path("/proc/self/status").read_text(encoding="ascii").splitlines():
+            if line.startswith("VmHWM:"):
+                return float(line.split()[1]) * 1.024 / 1e3
     try:
         import resource
     except ImportError:  # no such thing on Windows
