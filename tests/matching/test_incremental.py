@@ -71,6 +71,13 @@ def test_longer_walks(kind: Any, symmetry: Any, errors: str) -> None:
     check(Matcher(prior), grown(online, list(range(rooms)), [1] * rooms))
 
 
+def test_a_long_search() -> None:
+    """How much was searched must not decide what is found: an update searches less."""
+    prior = make_layout("grid", 500, 2, "local")
+    online = sample_online(prior, 12, 2, ERRORS["rough"]).online
+    check(Matcher(prior), grown(online, list(range(4)), [1] * 4))
+
+
 def test_rooms_that_change_or_go_are_matched_anew() -> None:
     prior = make_layout("random", 30, 1)
     online = sample_online(prior, 8, 1, REALISTIC).online

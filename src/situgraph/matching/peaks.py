@@ -12,11 +12,10 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.explained import wrapped
 from situgraph.matching.records import scratch
-from situgraph.matching.tables import BOXES, FIT, MOVED, PEAKS
+from situgraph.matching.tables import FIT, MOVED, PEAKS
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
 ROUNDS = 30
-UNHURRIED = 2_000  # boxes
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 ARRIVED = 1e-6  # metres and radians from the optimum
@@ -153,12 +152,6 @@ def add_peak(case, at, height):
 
 
 @part
-def hurried(case):
-    """Whether so much was searched that higher peaks beside known ones are not looked for."""
-    return case.found.count[BOXES] > UNHURRIED
-
-
-@part
 def same_place(case, one, two):
     """Whether two peaks (yaw, x, y, L) are the same placement."""
     apart = math.hypot(one[1] - two[1], one[2] - two[2])
@@ -174,7 +167,7 @@ def rise(case, at, height):
     let go, or held again, as long as that leads higher. All higher ones are noted, as objects may
     prefer one that by the walls is as good as another. ``case.one`` must be the view at the peak.
     """
-    peaks, highest = case.found.peak, not hurried(case)
+    peaks, highest = case.found.peak, True
     for k in range(min(case.found.count[PEAKS], len(peaks))):
         if peaks[k, 3] >= height - LEAST_GAIN and same_place(case, peaks[k], at):
             highest = False

@@ -19,7 +19,7 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, give, may_explain, wrapped
 from situgraph.matching.lookup import find
-from situgraph.matching.peaks import hurried, same_place
+from situgraph.matching.peaks import same_place
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import PEAKS
 
@@ -27,15 +27,16 @@ NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 
 
 @part
-def known_peak(case, box):
+def known_peak(case, box, wide):
     """A peak that represents all feasible placements of the box, -1 for none.
 
-    Of peaks that are the same only the highest becomes a candidate: it has to represent them too.
+    Of peaks that are the same only the highest becomes a candidate: of a ``wide`` box it has to
+    represent them too.
     """
     for k in range(min(case.found.count[PEAKS], len(case.found.peak))):
         if _stands_for(case, k, box):
-            best = _highest_there(case, k)
-            if best == k or hurried(case) or _stands_for(case, best, box):
+            best = _highest_there(case, k) if wide else k
+            if best == k or _stands_for(case, best, box):
                 return k
     return -1
 

@@ -51,7 +51,7 @@ from situgraph.matching.hypotheses import (
     pairs_of,
     split,
 )
-from situgraph.matching.peaks import climb, feasible, hurried, optimum, rise
+from situgraph.matching.peaks import climb, feasible, optimum, rise
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import known_peak, none_higher
@@ -73,7 +73,7 @@ from situgraph.matching.views import (
     look,
 )
 
-LOOKS = 30  # boxes of one hypothesis in which a higher peak than the known one is looked for
+FINE = 0.005  # half widths below which known peaks are not questioned, metres
 GUESSES = 3  # least squares from relaxed correspondences
 JOINED = 0.3  # half widths of a box put together of several, at most, metres
 
@@ -306,7 +306,7 @@ def explore(case, start):
     stack, box, at, left = found.stack, scratch(SIDES), scratch(3), scratch(SIDES)
     nothing_left(left)
     copy_box(start, stack[0])
-    depth, looks = 1, 0
+    depth = 1
     while depth > 0:
         depth -= 1
         copy_box(stack[depth], box)
@@ -323,11 +323,16 @@ def explore(case, start):
                 continue
         if found.count[STAGE] == WITHIN and outside(case, box):
             continue
-        known = known_peak(case, box)
+        side, widest = 0, box[TURN] * arm
+        if box[HU] > widest:
+            side, widest = 1, box[HU]
+        if box[HV] > widest:
+            side, widest = 2, box[HV]
+        wide = widest >= FINE
+        known = known_peak(case, box, wide)
         if known >= 0:
             spread(left, box)
-            looks += 1
-            if looks > LOOKS or hurried(case) or none_higher(case, known):
+            if not wide or none_higher(case, known):
                 continue
         before = found.count[PEAKS]
         state = _witness(case, box, arm, at)
@@ -337,14 +342,9 @@ def explore(case, start):
             rise(case, at, climb(case, at))
         if known >= 0:
             continue
-        if found.count[PEAKS] > before and known_peak(case, box) >= 0:
+        if found.count[PEAKS] > before and known_peak(case, box, wide) >= 0:
             spread(left, box)
             continue
-        side, widest = 0, box[TURN] * arm
-        if box[HU] > widest:
-            side, widest = 1, box[HU]
-        if box[HV] > widest:
-            side, widest = 2, box[HV]
         if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
             spread(left, box)
             continue
