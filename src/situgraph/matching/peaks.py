@@ -21,13 +21,16 @@ LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 ARRIVED = 1e-6  # metres and radians from the optimum
 SAME_PEAK = 1e-4  # metres along both axes, radians
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
+AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
+INSIDE = 1e-5  # metres from it, at which it is then held
+STIFF = 1e6  # times its weight
 
 
 @part
-def optimum(case, spot, at, out):
-    """Into ``out`` the placement (yaw, x.
+def optimum(case, spot, at, held, out):
+    """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``spot``.
 
-    Y) of the largest L for the correspondences in ``spot``.
+    When ``held``, planes at a limit stay there: so it is slid along what ended a way.
     """
     view = spot
     seen, plan, limits, tally = (
@@ -50,21 +53,25 @@ def optimum(case, spot, at, out):
             cx, cy = seen.center[r, 0], seen.center[r, 1]
             ax, ay = c * cx - s * cy, s * cx + c * cy
             for i in range(seen.first[r], seen.first[r + 1]):
-                fit = view.state[i] == FIT
-                p = seen.plane[i]
-                if not fit and (view.state[i] != MOVED or tally.sums[p, 0] > 0):
+                state, p, j = view.state[i], seen.plane[i], view.row[i]
+                fit, stop = state == FIT, limits.fit if state == FIT else limits.moved
+                if not fit and state != MOVED:
                     continue
-                j = view.row[i]
-                count = tally.sums[p, 0] if fit else tally.sums[p, 3]
-                bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
-                weight = limits.angle_weight / count
-                h00 += weight
-                g[0] += weight * bend
-                if not fit:
+                stiff = held and stop - abs(view.offset[i]) < AT_LIMIT
+                if fit or tally.sums[p, 0] == 0:
+                    bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
+                    weight = limits.angle_weight / tally.sums[p, 0 if fit else 3]
+                    h00 += weight
+                    g[0] += weight * bend
+                if not (fit or stiff):
                     continue
                 nx, ny = plan.row[j, 0], plan.row[j, 1]
                 off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
-                weight = limits.plane_weight / count
+                if stiff:
+                    weight = limits.plane_weight * STIFF
+                    off -= math.copysign(stop - INSIDE, view.offset[i])
+                else:
+                    weight = limits.plane_weight / tally.sums[p, 0]
                 turn = ny * ax - nx * ay
                 h00 += weight * turn * turn
                 h01 += weight * turn * nx
@@ -115,22 +122,27 @@ def climb(case, at):
 
     ``at`` (3,) becomes the peak, ``case.one`` its view; returns L there.
     """
-    height = evidence(case, case.one)
+    height, held = evidence(case, case.one), False
     goal, tried = scratch(3), scratch(3)
     for _ in range(ROUNDS):
-        optimum(case, case.one, at, goal)
+        optimum(case, case.one, at, held, goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
-        if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
-            break
-        value = evidence(case, case.two)
+        arrives = feasible(case, case.two, tried)
+        value = height
+        if arrives or _last_feasible(case, at, goal, tried):
+            value = evidence(case, case.two)
         if value <= height + 1e-12:
-            break
+            if arrives or held:
+                break
+            held = True
+            continue
         height = value
         stays = _same(case)
         _part_way(tried, tried, 0.0, 0.0, at)
         copy_view(case.two, case.one)
-        if stays:
+        if stays and arrives:
             break
+        held = not arrives
     return height
 
 
@@ -197,7 +209,7 @@ def _raise_once(case, at, height, goal, tried, top):
         if state != MOVED and (state != FIT or (free and not strained)):
             continue
         view.state[i] = FIT if state == MOVED else MOVED
-        optimum(case, case.one, at, goal)
+        optimum(case, case.one, at, False, goal)
         view.state[i] = state
         _part_way(goal, goal, 0.0, 0.0, tried)
         if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
@@ -219,7 +231,7 @@ def _raise_once(case, at, height, goal, tried, top):
 @part
 def _arrived(case, at, goal):
     """Whether the peak is the optimum of its correspondences: no limit stopped the climb to it."""
-    optimum(case, case.one, at, goal)
+    optimum(case, case.one, at, False, goal)
     turn = abs(wrapped(goal[0] - at[0]))
     return max(turn, abs(goal[1] - at[1]), abs(goal[2] - at[2])) < ARRIVED
 

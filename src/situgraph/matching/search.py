@@ -375,7 +375,7 @@ def _witness(case, box, arm, at):
             return -1
         if count == 0:
             return 0
-        optimum(case, case.one, at, at)
+        optimum(case, case.one, at, False, at)
         if not strayed(box, at) and feasible(case, case.one, at):
             return 1
         loose /= 2

@@ -26,6 +26,7 @@ def compared(number: int) -> Comparison:
         899,  # the peak that stood for it was the same as a higher one, which did not
         1908,  # the same
         3791,  # the same
+        2748,  # many boxes searched
         2494,  # it was told, but the plan was thought mirrored
     ],
 )
@@ -39,6 +40,7 @@ def test_nothing_is_missed(number: int) -> None:
         334,  # a rival holds half a per cent, so that the plan may be mirrored matters
         622,  # a limit had stopped the climb to the second solution
         1011,  # the same
+        1227,  # two limits at once had, and the way led along both
         2062,  # two walls could be let go; objects prefer the second
         4091,  # a higher peak beside the first, from another corner
     ],

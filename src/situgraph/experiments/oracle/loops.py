@@ -281,14 +281,14 @@ def least_squares(
     offsets: Array,
     angles: Array,
     weights: Array,
-    fits: Flags,
     sigmas: tuple[float, float],
     yaw: float,
     point: Array,
 ) -> tuple[float, Array]:
     """The yaw and point at which weighted planes fit best (Gauss-Newton; nearly linear).
 
-    ``sigmas`` of offsets and of angles; only planes that fit pull by their offsets.
+    ``sigmas`` of offsets and of angles. Planes pull by their angles with the first of ``weights``
+    (k, 2), and by their offsets with the second.
     """
     offset_sigma, angle_sigma = sigmas
     size = len(angles)
@@ -300,16 +300,15 @@ def least_squares(
             arm_x = cosine * arms[k, 0] - sine * arms[k, 1]
             arm_y = sine * arms[k, 0] + cosine * arms[k, 1]
             n_x, n_y = normals[k]
-            weight = weights[k] / angle_sigma
+            weight = weights[k, 0] / angle_sigma
             residuals[k] = weight * wrapped(angles[k] + yaw)
             slopes[k, 0] = weight
-            if fits[k]:
-                weight = weights[k] / offset_sigma
-                offset = offsets[k] - ((arm_x + x) * n_x + (arm_y + y) * n_y)
-                residuals[size + k] = weight * offset
-                slopes[size + k, 0] = -weight * (n_y * arm_x - n_x * arm_y)
-                slopes[size + k, 1] = -weight * n_x
-                slopes[size + k, 2] = -weight * n_y
+            weight = weights[k, 1] / offset_sigma
+            offset = offsets[k] - ((arm_x + x) * n_x + (arm_y + y) * n_y)
+            residuals[size + k] = weight * offset
+            slopes[size + k, 0] = -weight * (n_y * arm_x - n_x * arm_y)
+            slopes[size + k, 1] = -weight * n_x
+            slopes[size + k, 2] = -weight * n_y
         step = np.linalg.lstsq(slopes, -residuals, 1e-9)[0]
         yaw, x, y = wrapped(yaw + step[0]), x + step[1], y + step[2]
         if np.abs(step).max() < 1e-10:

@@ -18,6 +18,9 @@ from situgraph.experiments.oracle.problem import Flags, Problem
 ROUNDS = 30
 LEAST_GAIN = 1e-3  # of L
 SMALLEST_STEP = 1e-6  # share of a step to the optimum below which it is not followed
+AT_LIMIT = 1e-4  # metres that a plane is from a limit when it may be what ends a way
+INSIDE = 1e-5  # metres from it, where it is then held
+STIFF = 1e3  # its weight
 
 
 def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ()) -> View:
@@ -25,19 +28,22 @@ def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ())
 
     A climb that comes beside a ``known`` peak ends there.
     """
-    best, height = start, wall_evidence(problem, start)
+    best, height, slides = start, wall_evidence(problem, start), False
     for _ in range(ROUNDS):
-        goal = optimum(problem, best)
+        goal = optimum(problem, best, slides)
         for there in known:
             if beside(problem, there.motion, goal):
                 return there
-        found = _kept_feasible(problem, best, goal, near)
+        found, arrives = _kept_feasible(problem, best, goal, near)
         value = wall_evidence(problem, found)
         if value <= height + 1e-12:
-            break
+            if arrives or slides:
+                break
+            slides = True
+            continue
         stays = found.signature == best.signature
-        best, height = found, value
-        if stays:
+        best, height, slides = found, value, not arrives
+        if stays and arrives:
             break
     return best
 
@@ -52,7 +58,8 @@ def highest(problem: Problem, top: View, near: Flags) -> View:
     while better:
         better = False
         for held in _changed(best):
-            found = peak(problem, _kept_feasible(problem, best, optimum(problem, held), near), near)
+            start, _ = _kept_feasible(problem, best, optimum(problem, held), near)
+            found = peak(problem, start, near)
             value = wall_evidence(problem, found)
             if value > height + LEAST_GAIN:
                 best, height, better = found, value, True
@@ -83,19 +90,22 @@ def beside(problem: Problem, one: Motion, two: Motion) -> bool:
     return one.z == two.z and bool(apart <= c.same_distance / 2 and turned <= c.same_yaw / 2)
 
 
-def optimum(problem: Problem, held: View) -> Motion:
-    """The placement of the largest L for fixed correspondences."""
+def optimum(problem: Problem, held: View, slides: bool = False) -> Motion:
+    """The placement of the largest L for fixed correspondences.
+
+    When it ``slides``, planes at a limit stay there.
+    """
     c, motion = problem.constants, held.motion
     mine, theirs = problem.mine, problem.theirs
-    pulls = _pulls(problem, held)
-    r, p, q = np.array([pull[:3] for pull in pulls]).T
+    pulls = _pulls(problem, held) + (_stiff(problem, held) if slides else [])
+    r, p, q, angles, offsets, kept = np.array(pulls).T
+    r, p, q = r.astype(int), p.astype(int), q.astype(int)
     yaw, point = least_squares(
         problem.arms[r],
         theirs.normals[q],
-        mine.distances[p] - theirs.offsets[q],
+        mine.distances[p] - theirs.offsets[q] - kept,
         mine.angles[p] - theirs.angles[q],
-        np.array([weight for *_, weight, _ in pulls]),
-        np.array([fits for *_, fits in pulls]),
+        np.stack([angles, offsets], axis=1),
         (c.plane_sigma, c.angle_sigma),
         motion.yaw,
         motion.point,
@@ -103,8 +113,12 @@ def optimum(problem: Problem, held: View) -> Motion:
     return Motion(yaw, point, motion.z)
 
 
-def _pulls(problem: Problem, held: View) -> list[tuple[int, int, int, float, bool]]:
-    """The plane pairs that pull: online room, plane, prior plane, weight, whether it fits."""
+# Online room, plane, prior plane, weight by angle and by offset, the offset that is kept.
+Pull = tuple[int, int, int, float, float, float]
+
+
+def _pulls(problem: Problem, held: View) -> list[Pull]:
+    """How the plane pairs pull."""
     mine, theirs = problem.mine.first.tolist(), problem.theirs.first.tolist()
     paired = [
         ((problem.seen[p.r].planes[q.i], q.state), p.r, mine[p.r] + q.i, theirs[p.a] + q.j)
@@ -115,17 +129,31 @@ def _pulls(problem: Problem, held: View) -> list[tuple[int, int, int, float, boo
     count = Counter(name for name, *_ in paired)
     # The state of a shared plane is the best of its occurrences; the others do not count.
     return [
-        (*pull, 1 / math.sqrt(count[name]), name[1] == FIT)
+        (*pull, 1 / math.sqrt(count[name]), (name[1] == FIT) / math.sqrt(count[name]), 0.0)
         for name, *pull in paired
         if name[1] == FIT or (name[0], FIT) not in count
     ]
 
 
-def _kept_feasible(problem: Problem, start: View, goal: Motion, near: Flags) -> View:
-    """The goal, or the last feasible placement on the straight way to it."""
+def _stiff(problem: Problem, held: View) -> list[Pull]:
+    """The planes at a limit, which stay there."""
+    c, mine, theirs = problem.constants, problem.mine.first, problem.theirs.first
+    limits = {FIT: c.fit_limit, MOVED: c.moved_limit}
+    pulls: list[Pull] = []
+    for p in held.pairs:
+        for q in p.planes:
+            if q.j is not None and limits[q.state] - abs(q.offset) < AT_LIMIT:
+                sought = math.copysign(limits[q.state] - INSIDE, q.offset)
+                pair = (p.r, int(mine[p.r]) + q.i, int(theirs[p.a]) + q.j)
+                pulls.append((*pair, 0.0, STIFF, sought))
+    return pulls
+
+
+def _kept_feasible(problem: Problem, start: View, goal: Motion, near: Flags) -> tuple[View, bool]:
+    """The goal, or the last feasible placement on the straight way to it; whether it arrives."""
     reached = view(problem, goal, near)
     if reached.feasible:
-        return reached
+        return reached, True
     low, high, best = 0.0, 1.0, start
     turn = wrapped(goal.yaw - start.motion.yaw)
     while high - low > SMALLEST_STEP:
@@ -136,4 +164,4 @@ def _kept_feasible(problem: Problem, start: View, goal: Motion, near: Flags) -> 
             low, best = share, tried
         else:
             high = share
-    return best
+    return best, False
