@@ -17,10 +17,11 @@ from situgraph.config import Settings, load_settings
 from situgraph.experiments.slam_buildings import boxed
 from situgraph.io.recording import Frame, Odometry, Scan, open_recording
 from situgraph.io.tum import read_tum
+from situgraph.matching import PlanIndex
 from situgraph.pipeline import Pipeline
 from situgraph.run import run_log
 from situgraph.scenegraph.codec import read_json, write_json
-from situgraph.scenegraph.graph import SceneGraph
+from situgraph.scenegraph.graph import Object, SceneGraph
 from situgraph.sim.record import record
 from situgraph.sim.simulation import Simulation
 
@@ -159,3 +160,25 @@ def test_scans_of_another_system_are_placed_right(shared_data: Path, tmp_path: P
     assert told["other"]["wall_median"] < 0.05
     assert told["other"]["trajectory_rms"] < 0.1
     assert (tmp_path / "r8" / "side-by-side.png").is_file()
+
+
+class _DoorsOnly:
+    """A detector that can find nothing but doors, and sees none."""
+
+    name = "doors"
+    categories = frozenset({"door"})
+
+    def detect(self, rgb: object, stamp: float) -> tuple[()]:
+        return ()
+
+
+def test_what_the_detector_cannot_find_is_no_evidence() -> None:
+    built = plan()
+    furnished = built.replace(
+        objects=(*built.objects, Object("f", "furniture", (1.0, 1.0, 0.4), rooms=("a",)))
+    )
+    matched = Pipeline(furnished, detector=_DoorsOnly()).matcher
+    assert matched is not None
+    assert matched.index.prior.modelled == {"door"}
+    assert len(matched.index.prior.objects) == len(furnished.objects)  # deviations still know them
+    assert Pipeline(PlanIndex(furnished)).matcher.index.prior.modelled == {"door"}

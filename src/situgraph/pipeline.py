@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from situgraph.matching import MatchResult
     from situgraph.matching.matcher import Semantics
 
+DOORWAY = "door"  # the category that a trajectory shows
 MOVED = (0.01, 0.003)  # m, rad: keyframes corrected by less need not move their objects
 
 
@@ -102,7 +103,9 @@ class Pipeline:
         self.matcher = (
             None
             if plan is None
-            else Matcher(plan, semantics=semantics, config=self.settings.matching)
+            else Matcher(
+                as_looked_for(plan, detector), semantics=semantics, config=self.settings.matching
+            )
         )
         self.locator = (
             None
@@ -298,6 +301,20 @@ class Pipeline:
             yield
         finally:
             self._seconds[stage] += time.perf_counter() - start
+
+
+def as_looked_for(
+    plan: SceneGraph | PlanIndex, detector: Detector | None
+) -> SceneGraph | PlanIndex:
+    """The plan as far as it is evidence: nobody misses what the detector cannot find.
+
+    Doorways are found without a camera, by the trajectory.
+    """
+    prior = plan.prior if isinstance(plan, PlanIndex) else plan
+    able = {DOORWAY, *(() if detector is None else detector.categories)}
+    if prior.modelled <= able:
+        return plan
+    return prior.replace(modelled_categories=tuple(sorted(prior.modelled & able)))
 
 
 def _row(pose: Array) -> tuple[float, ...]:

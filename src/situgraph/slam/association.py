@@ -19,6 +19,7 @@ from situgraph.slam.planemap import MapPlane
 from situgraph.slam.sightings import Sighting
 
 ROUNDS = 6
+IN_LINE = 3.0  # sigmas; pieces of one wall are no farther off its line
 
 
 class Association(NamedTuple):
@@ -93,6 +94,51 @@ def associate(
         correction,
         _pairs(pieces, level + correction, planes, normals, offsets, facing, config),
     )
+
+
+def one_wall(pieces: Sequence[Sighting], config: MapConfig) -> list[list[int]]:
+    """Pieces of one scan that lie on one line, side by side: a wall and the doors in it.
+
+    Indices of the pieces of each wall, its longest piece first.
+    """
+    walls: list[list[int]] = []
+    for i in sorted(range(len(pieces)), key=lambda i: -pieces[i].length):
+        for wall in walls:
+            if _in_line(pieces[wall[0]], pieces[i], config) and any(
+                _gap(pieces[k], pieces[i]) <= config.gap for k in wall
+            ):
+                wall.append(i)
+                break
+        else:
+            walls.append([i])
+    return walls
+
+
+def _in_line(longer: Sighting, shorter: Sighting, config: MapConfig) -> bool:
+    """Whether the shorter piece lies on the line of the longer one, as far as that is known."""
+    turn = abs(float(wrap_angle(longer.angle - shorter.angle)))
+    middle = shorter.ends.mean(axis=0)
+    lever = float(longer.tangent @ middle)
+    # x(s) = -offset n + s t: the line at s has moved by the offset's error and -s the angle's.
+    across = _variance(longer, lever) + _variance(shorter, float(shorter.tangent @ middle))
+    sigma = np.sqrt(longer.covariance[0, 0] + shorter.covariance[0, 0])
+    away = abs(float(longer.normal @ middle) + longer.offset)
+    return bool(
+        turn < min(IN_LINE * sigma, config.angle)
+        and away < min(IN_LINE * np.sqrt(across), config.offset)
+    )
+
+
+def _variance(piece: Sighting, along: float) -> float:
+    """Variance (m2) of a piece's line, across it, at ``along`` metres from the sensor's foot."""
+    c = piece.covariance
+    return float(c[1, 1] + 2.0 * along * c[0, 1] + along**2 * c[0, 0])
+
+
+def _gap(piece: Sighting, other: Sighting) -> float:
+    """Metres between two pieces along the first one, 0 where they overlap."""
+    mine, its = np.sort(piece.ends @ piece.tangent), np.sort(other.ends @ piece.tangent)
+    return max(float(its[0] - mine[1]), float(mine[0] - its[1]), 0.0)
 
 
 def _weight(piece: Sighting, config: MapConfig) -> float:

@@ -123,7 +123,10 @@ class MapConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
         float, setting("Expected error of a keyframe before it is aligned", "rad", TESTS, gt=0)
     ] = 0.02
     new_length: Annotated[
-        float, setting("A shorter piece starts no plane", "m", "a wall stub between doors", gt=0)
+        float,
+        setting(
+            "A shorter wall, doors apart, starts no plane", "m", "a wall stub between doors", gt=0
+        ),
     ] = 0.5
     merge_offset: Annotated[
         float, setting("Planes closer than this that overlap are one", "m", TESTS, gt=0)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from situgraph.geometry.poses import Array, rotation2
-from situgraph.slam.association import Association, associate
+from situgraph.slam.association import Association, associate, one_wall
 from situgraph.slam.config import SlamConfig
 from situgraph.slam.graph import FactorGraph, Sight
 from situgraph.slam.keyframes import Keyframe, View
@@ -124,18 +124,33 @@ class Mapper:
     def _see_walls(self, keyframe: Keyframe, pose: Array, paired: Association) -> list[Seen]:
         seen: list[Seen] = []
         view = keyframe.view
-        for piece, number in zip(view.sightings, paired.plane):
-            normal = view.level.T @ np.array([*piece.normal, 0.0])
+        numbers = self._with_new_planes(keyframe, pose, paired)
+        for piece, number in zip(view.sightings, numbers):
             if number is None:
-                if piece.length < self._config.map.new_length:
-                    continue
-                number = self._start_plane(keyframe.storey, pose, normal, piece)
+                continue
+            normal = view.level.T @ np.array([*piece.normal, 0.0])
             turn, shift = (float(s) for s in np.sqrt(np.diag(piece.covariance)))
             measured = np.array([*normal, piece.offset])
             self._graph.see(("p", number), Sight(("x", keyframe.number), measured, (turn, shift)))
             ends = np.column_stack([piece.ends, np.zeros(2)]) @ view.level
             seen.append(Seen(number, ends, (piece.high, piece.visible)))
         return seen
+
+    def _with_new_planes(
+        self, keyframe: Keyframe, pose: Array, paired: Association
+    ) -> list[int | None]:
+        """The plane of each piece; walls that are new and long enough, doors apart, start one."""
+        view, numbers = keyframe.view, list(paired.plane)
+        new = [i for i, number in enumerate(numbers) if number is None]
+        pieces = [view.sightings[i] for i in new]
+        for wall in one_wall(pieces, self._config.map):
+            if sum(pieces[k].length for k in wall) < self._config.map.new_length:
+                continue
+            normal = view.level.T @ np.array([*pieces[wall[0]].normal, 0.0])
+            number = self._start_plane(keyframe.storey, pose, normal, pieces[wall[0]])
+            for k in wall:
+                numbers[new[k]] = number
+        return numbers
 
     def _start_plane(self, storey: int, pose: Array, normal: Array, piece: Sighting) -> int:
         n = pose[:3, :3] @ normal

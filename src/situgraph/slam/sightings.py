@@ -43,6 +43,11 @@ class Sighting(NamedTuple):
         """Unit normal (2,) in the plan."""
         return np.array([np.cos(self.angle), np.sin(self.angle)])
 
+    @property
+    def tangent(self) -> Array:
+        """Unit direction (2,) along the wall."""
+        return np.array([-np.sin(self.angle), np.cos(self.angle)])
+
     def distance(self, point: Array) -> float:
         """Metres in the plan from ``point`` to the middle of the piece."""
         return float(np.linalg.norm(self.ends.mean(axis=0) - point[:2]))
