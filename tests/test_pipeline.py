@@ -182,3 +182,20 @@ def test_what_the_detector_cannot_find_is_no_evidence() -> None:
     assert matched.index.prior.modelled == {"door"}
     assert len(matched.index.prior.objects) == len(furnished.objects)  # deviations still know them
     assert Pipeline(PlanIndex(furnished)).matcher.index.prior.modelled == {"door"}
+
+
+def test_without_a_camera_a_room_with_more_doors_is_not_ruled_out() -> None:
+    boxes = {"four": (0.0, 0.0, 6.0, 4.0), "one": (20.0, 0.0, 26.0, 4.0)}
+    at = ((1.5, -0.1, "s"), (5.0, -0.1, "s"), (1.2, 4.1, "n"), (4.6, 4.1, "n"))
+    doors = [door(f"d{k}", x, y, ("four",), (f"four.{w}",)) for k, (x, y, w) in enumerate(at)]
+    built = boxed("doors", boxes, (*doors, door("d", 21.5, -0.1, ("one",), ("one.s",))))
+    seen = boxed("map", {"r": boxes["four"]}, (door("o", 1.5, -0.1, ("r",), ("r.s",)),))
+    shares = []
+    for detector in (None, _DoorsOnly()):
+        matcher = Pipeline(built, detector=detector).matcher
+        assert matcher is not None
+        found = matcher.update(seen).solutions
+        shares.append(sum(s.probability for s in found if s.rooms["r"] == "four"))
+    passed, looked = shares
+    assert passed > 0.2
+    assert looked < 0.05

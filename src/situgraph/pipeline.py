@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from situgraph.config import Settings
 from situgraph.coupling import Located, Locator, from_slam, locate, spread
 from situgraph.geometry.poses import Array, pose_to_matrix
-from situgraph.matching import Matcher, PlanIndex
+from situgraph.matching import Matcher, MatchingConfig, PlanIndex
 from situgraph.objects.detections import Camera, Detector
 from situgraph.objects.gaps import WallGap
 from situgraph.objects.stage import ObjectStage, View
@@ -104,7 +104,9 @@ class Pipeline:
             None
             if plan is None
             else Matcher(
-                as_looked_for(plan, detector), semantics=semantics, config=self.settings.matching
+                as_looked_for(plan, detector),
+                semantics=semantics,
+                config=as_passed(self.settings) if detector is None else self.settings.matching,
             )
         )
         self.locator = (
@@ -315,6 +317,16 @@ def as_looked_for(
     if prior.modelled <= able:
         return plan
     return prior.replace(modelled_categories=tuple(sorted(prior.modelled & able)))
+
+
+def as_passed(settings: Settings) -> MatchingConfig:
+    """How doors are missed without a camera: most are not passed. What was set by hand stays."""
+    matching = settings.matching
+    rates = msgspec.structs.replace(
+        matching.rates_of(DOORWAY), miss=settings.objects.doorway_not_passed
+    )
+    told = {DOORWAY: rates, **matching.category_rates}
+    return msgspec.structs.replace(matching, category_rates=told)
 
 
 def _row(pose: Array) -> tuple[float, ...]:

@@ -308,3 +308,10 @@ class ObjectsConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_
         float,
         setting("two doorways of one wall closer than this are one", "m", "docs/objects.md", gt=0),
     ] = 0.8
+    doorway_not_passed: Annotated[
+        float,
+        setting(
+            "without a camera, a door of a room that the robot was in is not passed",
+            "1", "docs/slam.md", gt=0, lt=1,
+        ),
+    ] = 0.5  # fmt: skip
