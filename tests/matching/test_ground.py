@@ -14,7 +14,6 @@ from situgraph.experiments.oracle.problem import Problem
 from situgraph.matching import MatchingConfig, PlanIndex, match
 from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry
-from situgraph.matching.entries import given_of, sizes_of
 from situgraph.matching.ground import _lost
 from situgraph.matching.preparation import Inputs, prepare
 from situgraph.matching.records import record_at
@@ -50,9 +49,8 @@ def lost_in_a_wide_box(place, box):  # type: ignore[no-untyped-def]
 
 def test_a_box_that_is_too_wide_for_the_map_loses_no_room() -> None:
     inputs = inputs_of("random", 12, 3, 0, REALISTIC)
-    tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
-    sizes = sizes_of(inputs.seen, inputs.index.table, inputs.mapping.shape[1], 8, maps=1)
-    case = Block(Case, sizes, **given_of(*tables, inputs.aim))
+    sizes = inputs.tables.sizes(inputs.mapping.shape[1], peaks=8, maps=1)
+    case = Block(Case, sizes, **inputs.tables.given(inputs.aim))
     box = np.zeros(10)
     box[8:] = inputs.seen.center[0]
     assert not lost_in_a_wide_box(case.place, box)

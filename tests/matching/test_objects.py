@@ -66,8 +66,7 @@ def evidence(
         return 0.0
     x, y = Placement(place.x, place.y, 0.0, place.yaw).points(inputs.middle) - index.origin
     at = np.array([[place.yaw, x, y]])
-    views = inputs.views(np.zeros(1, dtype=np.int64), at)
-    return float(inputs.evidence(views, at)[0][0])
+    return float(inputs.evidence(np.zeros(1, dtype=np.int64), at)[0][0])
 
 
 def written_out(online: SceneGraph) -> float:

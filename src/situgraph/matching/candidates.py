@@ -58,14 +58,13 @@ class Known:
                 nothing,
                 np.zeros(4, dtype=np.int64),
             )
-        tables = (inputs.seen, inputs.index.table, inputs.limits, inputs.content)
         before = self._memories.get(inputs.flipped) if traced else None
         kept = traced and stands(before, inputs)
         start = start_of(before, inputs, aim) if kept else None
-        found = find_peaks(*tables, inputs.mapping, aim, start, traced=kept)
+        found = find_peaks(inputs.tables, inputs.mapping, aim, start, traced=kept)
         if start is not None and start.on and found[3][CUT]:
             start = start._replace(on=False)
-            found = find_peaks(*tables, inputs.mapping, aim, start, traced=kept)
+            found = find_peaks(inputs.tables, inputs.mapping, aim, start, traced=kept)
         place, shift, alike, done, traces = found
         if traced:
             self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
@@ -84,6 +83,5 @@ def find(inputs: Inputs, aim: Aim, known: Known) -> Peaks:
     peaks = known.by_walls(inputs, aim)
     place = peaks.place.copy()
     if len(place) and inputs.weighs_objects:
-        at = np.ascontiguousarray(place[:, 1:4])
-        place[:, 4] += inputs.evidence(inputs.views(peaks.shift, at), at)[0]
+        place[:, 4] += inputs.evidence(peaks.shift, place[:, 1:4])[0]
     return peaks._replace(place=place)

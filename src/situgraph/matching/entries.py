@@ -1,15 +1,14 @@
-"""What Python calls: all peaks of a match, and the correspondences at placements."""
+"""What Python calls: all peaks of a match."""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
-
-import numpy as np
+from typing import Annotated, NamedTuple
 
 from situgraph.matching.blocks import Block
 from situgraph.matching.boxes import SIDES
+from situgraph.matching.cases import Tables
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.hypotheses import fits_somewhere
@@ -23,22 +22,13 @@ from situgraph.matching.tables import (
     STAGE,
     Aim,
     Case,
-    Content,
     Floats,
     Ints,
     IntTable,
-    Limits,
-    Plan,
-    Seen,
     Table,
-    View,
-    explaining,
 )
 from situgraph.matching.traces import Start, Traces, recall, traces_of
-from situgraph.matching.views import look
 
-WAITING = 64  # boxes of one pair of rooms that are put together
-DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
 ROOM = 1024  # for peaks, to begin with
 COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
 
@@ -58,25 +48,8 @@ class Search(NamedTuple):
     wanted: int  # groups of new rooms
 
 
-class Sights(NamedTuple):
-    """Placements to look at; ``View``'s fields, a placement a row."""
-
-    case: Case
-    shifts: IntTable
-    shift: Ints  # (k,)
-    place: Table  # (k, 3)
-    room: Annotated[Ints, "k", "N"]
-    row: Annotated[Ints, "k", "P"]
-    state: Annotated[Ints, "k", "P"]
-    offset: Annotated[Floats, "k", "P"]
-    bend: Annotated[Floats, "k", "P"]
-
-
 def find_peaks(
-    seen: Seen,
-    plan: Plan,
-    limits: Limits,
-    content: Content,
+    tables: Tables,
     shifts: Ints,
     aim: Aim,
     start: Start | None = None,
@@ -90,14 +63,14 @@ def find_peaks(
     can start from.
     """
     most = ROOM
-    boxes = min(COVER * (len(plan.storey) + COVER), MOST_COVER) if traced else 0
-    given = given_of(seen, plan, limits, content, aim)
+    boxes = min(COVER * (len(tables.plan.storey) + COVER), MOST_COVER) if traced else 0
+    seen, plan, given = tables.seen, tables.plan, tables.given(aim)
     known, first, wanted = None, None, 0
     if start is not None and start.on:
         known, first, wanted = start.cover, start.first, start.wanted
     maps = len(shifts) if traced else 1
     while True:
-        sizes = sizes_of(seen, plan, shifts.shape[1], most, boxes=boxes, maps=maps)
+        sizes = tables.sizes(shifts.shape[1], peaks=most, boxes=boxes, maps=maps)
         block = Block(
             Search, sizes, shifts=shifts, known=known, known_first=first, wanted=wanted, **given
         )
@@ -113,74 +86,6 @@ def find_peaks(
             traces = traces_of(block, len(shifts)) if traced else None
             return place, shift, alike, count, traces
         most *= 16
-
-
-def views_at(
-    seen: Seen,
-    plan: Plan,
-    limits: Limits,
-    content: Content,
-    shifts: Ints,
-    shift: Ints,
-    at: Floats,
-) -> View:
-    """What is explained when the mean room centre goes to ``at`` (k, 3): yaw, x, y; strictly.
-
-    Storeys are shifted by the rows ``shift`` (k,) of ``shifts``. Returns ``View``'s fields, a
-    placement a row.
-    """
-    sizes = sizes_of(seen, plan, shifts.shape[1], 0) | {"k": len(at)}
-    block = Block(
-        Sights,
-        sizes,
-        shifts=shifts,
-        shift=np.ascontiguousarray(shift, dtype=np.int64),
-        place=np.ascontiguousarray(at, dtype=np.float64),
-        **given_of(seen, plan, limits, content, explaining(0, len(seen.storey))),
-    )
-    look_all(block.place)
-    return View(*map(block.array, View._fields))
-
-
-def given_of(seen: Seen, plan: Plan, limits: Limits, content: Content, aim: Aim) -> dict[str, Any]:
-    """What the block of a ``Case`` is given."""
-    return {
-        "seen": seen.slots,
-        "plan": plan.slots,
-        "limits": limits.slots,
-        "content": content.slots,
-        "least": aim.least,
-        "budget": aim.budget,
-        "loss": aim.loss,
-    }
-
-
-def sizes_of(
-    seen: Seen, plan: Plan, storeys: int, peaks: int, *, boxes: int = 0, maps: int = 0
-) -> dict[str, int]:
-    """The sizes of a ``Case``; ``maps``: of so many shifts they are kept."""
-    rooms, prior = len(seen.storey), len(plan.storey)
-    wide, tall = plan.cells.tolist()
-    return {
-        "N": rooms,
-        "N + 2": rooms + 2,
-        "P": len(seen.angle),
-        "M": prior,
-        "M + N": prior + rooms,
-        "U": storeys,
-        "n": seen.widest,
-        "n + 1": seen.widest + 1,
-        "m": plan.widest + 1,
-        "planes": seen.planes,
-        "peaks": peaks,
-        "depth": DEPTH,
-        "waiting": WAITING,
-        "sides": SIDES,
-        "like": prior // 64 + 1,
-        "boxes": boxes,
-        "maps": maps * rooms,
-        "words": 4 * maps * rooms * wide * tall,
-    }
 
 
 @entry
@@ -249,26 +154,3 @@ def _shapes_alike(case):
                 like[r, a >> 6] |= 1 << (a & 63)
                 if not few:
                     alike[r] += 1
-
-
-@entry
-def look_all(place):
-    """Fill a ``Sights``."""
-    _look_all(record_at(place, Sights))
-
-
-@part
-def _look_all(sights):
-    case, at = sights.case, sights.place
-    task, view = case.task, case.one
-    for k in range(len(sights.shift)):
-        for u in range(len(task.storeys)):
-            task.storeys[u] = sights.shifts[sights.shift[k], u]
-        look(case, view, at[k, 0], at[k, 1], at[k, 2], 0.0, 0.0)
-        for r in range(len(view.room)):
-            sights.room[k, r] = view.room[r]
-        for i in range(len(view.row)):
-            sights.row[k, i] = view.row[i]
-            sights.state[k, i] = view.state[i]
-            sights.offset[k, i] = view.offset[i]
-            sights.bend[k, i] = view.bend[i]

@@ -4,10 +4,10 @@
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
-from situgraph.matching.compiled import kernel
+from situgraph.matching.compiled import part
 
 
-@kernel
+@part
 def first_of(group, i):
     """The first member of the set of ``i``."""
     while group[i] != i:
@@ -15,7 +15,7 @@ def first_of(group, i):
     return i
 
 
-@kernel
+@part
 def join(group, i, k):
     """Put the sets of ``i`` and ``k`` together; whether they were two."""
     i, k = first_of(group, i), first_of(group, k)

@@ -76,7 +76,7 @@ class PlanIndex:
     @cached_property
     def objects(self) -> PlannedObjects:
         """The objects of the plan that are evidence."""
-        return planned_objects(self.prior, self.kept, self.origin, self.config)
+        return planned_objects(self.prior, self.kept, self.source, self.origin, self.config)
 
     @cached_property
     def rates(self) -> Rates:

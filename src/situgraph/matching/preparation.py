@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
+from situgraph.matching.cases import Tables
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import content_of, no_content
-from situgraph.matching.entries import views_at
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.reading import (
     Lines,
@@ -20,7 +20,8 @@ from situgraph.matching.reading import (
     storey_heights,
 )
 from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
-from situgraph.matching.sightings import Rates, weigh
+from situgraph.matching.sightings import Rates
+from situgraph.matching.sights import views_at, weigh
 from situgraph.matching.storeys import storey_shifts
 from situgraph.matching.tables import Aim, Content, Floats, Ints, Limits, Seen, View, explaining
 from situgraph.scenegraph.graph import SceneGraph
@@ -83,19 +84,19 @@ class Inputs:
         seen, middle = seen_table(self.lines, self.storeys, self.limits, True)
         return replace(self, flipped=True, seen=seen, middle=middle)
 
+    @property
+    def tables(self) -> Tables:
+        """The tables of a search."""
+        return Tables(self.seen, self.index.table, self.limits, self.content)
+
     def views(self, shift: Ints, at: Floats) -> View:
         """What is explained at placements (k,), (k, 3): ``View``'s fields, a placement a row."""
-        tables = (self.seen, self.index.table, self.limits, self.content)
-        views: View = views_at(*tables, self.mapping, shift, np.ascontiguousarray(at))
-        return views
+        return views_at(self.tables, self.mapping, shift, at)
 
-    def evidence(self, views: View, at: Floats) -> tuple[Floats, Ints]:
-        """What the objects say of placements (k, 3), and which prior object each online one is."""
-        claims = np.empty((len(at), len(self.objects.ids)), dtype=np.int64)
-        tables = (self.objects.table, self.index.objects.table, self.rates, self.index.source)
-        where = np.ascontiguousarray(at)
-        value: Floats = weigh(*tables, views.room, views.row, where, claims)
-        return value, claims
+    def evidence(self, shift: Ints, at: Floats) -> tuple[Floats, Ints]:
+        """What the objects say of placements, and which prior object each online one is (k, n)."""
+        objects = (self.objects.table, self.index.objects.table, self.rates)
+        return weigh(self.tables, self.mapping, *objects, shift, at)
 
 
 def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: MatchingConfig) -> Inputs:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from situgraph.matching.blocks import Block
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.sightings import Planned, Rates, Sighted
 from situgraph.matching.tables import Floats, Ints
@@ -36,9 +37,12 @@ class SeenObjects(NamedTuple):
 
 
 def planned_objects(
-    prior: SceneGraph, kept: Ints, origin: Floats, config: MatchingConfig
+    prior: SceneGraph, kept: Ints, source: Ints, origin: Floats, config: MatchingConfig
 ) -> PlannedObjects:
-    """The evidence a plan offers; ``kept`` are the rooms that count, ``origin`` the index's."""
+    """The evidence a plan offers.
+
+    ``kept`` are the rooms that count, ``source`` the planes of their rows, ``origin`` the index's.
+    """
     column = {c: k for k, c in enumerate(sorted(prior.modelled))}
     objects = [o for o in prior.objects if o.category in column]
     rooms = {prior.rooms[k].id: a for a, k in enumerate(kept.tolist())}
@@ -51,13 +55,15 @@ def planned_objects(
     for i, mine in enumerate(homes):
         for a in mine:
             held[a].append(i)
-    table = Planned(
+    made = (
         category,
         place,
         *_packed([planes[p] for p in o.planes if p in planes] for o in objects),
         *_packed(held),
         *_packed(homes),
+        source,
     )
+    table = Planned(*made, Block.of(Planned, made))
     share = np.maximum(config.least_share, counts / max(1, len(objects)))
     return PlannedObjects(tuple(o.id for o in objects), column, share, table)
 
@@ -105,26 +111,27 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
     astray = np.array([r.wrong_join for r in rates])
     half = np.array([r.half_seen for r in rates])
     area, tail = config.clutter_area, config.object_tail_share
-    return Rates(
-        hit=np.log1p(-miss),
-        miss=np.log(miss),
-        false=np.log([r.false for r in rates]),
-        duplicate=np.log([r.duplicate for r in rates]),
-        confusion=np.log([r.confusion for r in rates]),
-        same_wall=np.log1p(-wrong),
-        other_wall=np.log(wrong),
-        same_join=np.log1p(-astray) + np.log1p(-half),
-        half_join=np.log1p(-astray) + np.log(half),
-        other_join=np.log(astray),
-        share=np.log(planned.share),
-        half_miss=np.log1p(miss) - math.log(2),
-        bell=area * (1 - tail) / (2 * math.pi * config.object_sigma**2),
-        sharpness=1 / (2 * config.object_sigma**2),
-        disc=area * tail / (math.pi * config.object_tail_radius**2),
-        radius=config.object_tail_radius,
-        shared=config.object_shared,
-        whole=config.seen_whole,
-    )
+    values: dict[str, Any] = {
+        "hit": np.log1p(-miss),
+        "miss": np.log(miss),
+        "false": np.log([r.false for r in rates]),
+        "duplicate": np.log([r.duplicate for r in rates]),
+        "confusion": np.log([r.confusion for r in rates]),
+        "same_wall": np.log1p(-wrong),
+        "other_wall": np.log(wrong),
+        "same_join": np.log1p(-astray) + np.log1p(-half),
+        "half_join": np.log1p(-astray) + np.log(half),
+        "other_join": np.log(astray),
+        "share": np.log(planned.share),
+        "half_miss": np.log1p(miss) - math.log(2),
+        "bell": area * (1 - tail) / (2 * math.pi * config.object_sigma**2),
+        "sharpness": 1 / (2 * config.object_sigma**2),
+        "disc": area * tail / (math.pi * config.object_tail_radius**2),
+        "radius": config.object_tail_radius,
+        "shared": config.object_shared,
+        "whole": config.seen_whole,
+    }
+    return Rates(**values, slots=Block(Rates, {}, **values))
 
 
 def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[Floats, float]:

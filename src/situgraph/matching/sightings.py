@@ -10,13 +10,12 @@ section 6). The likeliest assignment counts.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-import numpy as np
-
-from situgraph.matching.compiled import entry, kernel
-from situgraph.matching.tables import Floats, Ints
-from situgraph.matching.wall_errors import room_for_walls, shared_errors
+from situgraph.matching.blocks import Block
+from situgraph.matching.compiled import part
+from situgraph.matching.tables import Floats, Ints, Table
+from situgraph.matching.wall_errors import Walls, shared_errors
 
 ALONE, SAME, HALF, ASTRAY = range(4)  # how the rooms of a sight and of its object agree
 
@@ -25,20 +24,22 @@ class Planned(NamedTuple):
     """The plan's objects; lengths in metres from the index's origin."""
 
     category: Ints  # (m,)
-    place: Floats  # (m, 2)
+    place: Table  # (m, 2)
     plane_first: Ints  # (m + 1,) the prior planes each hangs on
     plane: Ints
     room_first: Ints  # (M + 1,) the objects of each prior room that counts
     item: Ints
     home_first: Ints  # (m + 1,) the prior rooms that count each is in
     home: Ints
+    row_plane: Ints  # (Q,) the prior plane of each prior row
+    slots: Block  # in memory
 
 
 class Sighted(NamedTuple):
     """The online objects; lengths from the mean room centre, map frame."""
 
     category: Ints  # (n,)
-    place: Floats  # (n, 2)
+    place: Table  # (n, 2)
     room_first: Ints  # (n + 1,) the countable rooms each is in
     room: Ints
     row_first: Ints  # (n + 1,) the plane rows each is on
@@ -67,120 +68,106 @@ class Rates(NamedTuple):
     radius: float
     shared: float  # share of the variance of the place that is common to a wall
     whole: float  # probability that a room was seen whole
+    slots: Block  # in memory
 
 
 class Links(NamedTuple):
     """Which online object may be which prior one at a placement, by online object."""
 
-    first: Ints  # (n + 1,)
-    item: Ints  # (k,) prior objects
-    gain: Floats  # (k,) over being a second sight or false
-    second: Ints  # (n,) the prior object each is a second sight of, else -1
-    claim: Ints  # (n,) the link each object takes, -1 for none
-    owner: Ints  # (m,) the online object that claims each prior one, -1 for none
-    best: Floats  # (n,) of a chain of exchanges that leaves an object without its claim
-    via: Ints  # (n,) the link by which the chain came
+    first: Annotated[Ints, "objects + 1"]
+    item: Annotated[Ints, "links"]  # prior objects
+    gain: Annotated[Floats, "links"]  # over being a second sight or false
+    second: Annotated[Ints, "objects"]  # the prior object each is a second sight of, else -1
+    claim: Annotated[Ints, "objects"]  # the link each takes, -1 for none
+    owner: Annotated[Ints, "planned"]  # the online object that claims it, -1 for none
+    best: Annotated[Floats, "objects"]  # of a chain of exchanges that leaves it without its claim
+    via: Annotated[Ints, "objects"]  # the link by which the chain came
+    tried: Annotated[Ints, "planned"]  # the online object it was last compared with
+    counted: Annotated[Ints, "planned"]  # the placement at which it was last counted
+    found: Annotated[Ints, "M"]  # the placement at which each prior room was last matched
 
 
-@entry
-def weigh(sighted, planned, rates, prior_plane, rooms, rows, at, claims):
-    """Log ratios (k,) of the objects at placements ``at`` (k, 3): yaw, x, y.
+class Evidence(NamedTuple):
+    """The objects of both graphs, and room to work in."""
 
-    ``rooms`` (k, N) and ``rows`` (k, P) are the correspondences, ``prior_plane`` the plane of each
-    prior row. Into ``claims`` (k, n) goes the prior object of each online one, -1 for none.
+    sighted: Sighted
+    planned: Planned
+    rates: Rates
+    links: Links
+    walls: Walls
+
+
+@part
+def nothing_claimed(t):
+    """To be called once, before any placement is weighed."""
+    for q in range(len(t.links.owner)):
+        t.links.owner[q] = -1
+    for i in range(len(t.walls.first)):
+        t.walls.first[i] = -1
+
+
+@part
+def evidence_at(t, view, yaw, x, y, number, claim):
+    """Log ratio of the objects of an ``Evidence`` at a placement; nan without room for the links.
+
+    ``view`` are the correspondences there, ``number`` counts placements from 1. Into ``claim``
+    (n,) goes the prior object of each online one, -1 for none.
     """
-    n, m = len(sighted.category), len(planned.category)
-    value = np.empty(len(at))
-    links = Links(
-        np.zeros(n + 1, dtype=np.int64),
-        np.empty(64, dtype=np.int64),
-        np.empty(64),
-        np.empty(n, dtype=np.int64),
-        np.empty(n, dtype=np.int64),
-        np.full(m, -1, dtype=np.int64),
-        np.empty(n),
-        np.empty(n, dtype=np.int64),
-    )
-    tried = np.full(m, -1, dtype=np.int64)
-    counted = np.full(m, -1, dtype=np.int64)
-    found = np.full(len(planned.room_first) - 1, -1, dtype=np.int64)
-    walls = room_for_walls(n, rows.shape[1])
-    for k in range(len(at)):
-        for a in rooms[k]:
-            if a >= 0:
-                found[a] = k
-        total, links = _link(
-            sighted, planned, rates, prior_plane, rooms[k], rows[k], at[k], links,
-            tried, k * n, found, k,
-        )  # fmt: skip
-        total += _assign(links)
-        total += shared_errors(sighted, planned, rates, prior_plane, rows[k], at[k], links, walls)
-        total += _missed(planned, rates, rooms[k], links.owner, counted, k)
-        for o in range(n):
-            link = links.claim[o]
-            claims[k, o] = -1
-            if link >= 0:
-                claims[k, o] = links.item[link]
-                links.owner[links.item[link]] = -1
-        value[k] = total
-    return value
+    links = t.links
+    for r in range(len(view.room)):
+        if view.room[r] >= 0:
+            links.found[view.room[r]] = number
+    total = _link(t, view, yaw, x, y, number)
+    if math.isnan(total):
+        return total
+    total += _assign(links)
+    total += shared_errors(t, view, yaw, x, y)
+    total += _missed(t, view, number)
+    for o in range(len(claim)):
+        link = links.claim[o]
+        claim[o] = -1
+        if link >= 0:
+            claim[o] = links.item[link]
+            links.owner[links.item[link]] = -1
+    return total
 
 
-@kernel
-def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, token, found, number):
-    """List the possible claims; the sum if nothing is claimed, and the links, grown if need be.
+@part
+def _link(t, view, yaw, x, y, number):
+    """List the possible claims; the sum if nothing is claimed, nan when there is no room for them.
 
     Of the prior rooms, those that are matched have ``found`` equal to ``number``.
     """
-    c, s = math.cos(at[0]), math.sin(at[0])
+    sighted, planned, rates, links = t.sighted, t.planned, t.rates, t.links
+    n, most = len(sighted.category), len(links.item)
+    c, s = math.cos(yaw), math.sin(yaw)
     total, count = 0.0, 0
-    for o in range(len(sighted.category)):
+    for o in range(n):
         mine = sighted.category[o]
-        x = at[1] + c * sighted.place[o, 0] - s * sighted.place[o, 1]
-        y = at[2] + s * sighted.place[o, 0] + c * sighted.place[o, 1]
+        px = x + c * sighted.place[o, 0] - s * sighted.place[o, 1]
+        py = y + s * sighted.place[o, 0] + c * sighted.place[o, 1]
         begin, here, rest = count, False, rates.false[mine]
         links.second[o] = -1
         for e in range(sighted.room_first[o], sighted.room_first[o + 1]):
-            a = room[sighted.room[e]]
+            a = view.room[sighted.room[e]]
             if a < 0:
                 continue
             here = True
             for f in range(planned.room_first[a], planned.room_first[a + 1]):
                 q = planned.item[f]
-                if tried[q] == token + o:
+                if links.tried[q] == number * n + o:
                     continue
-                tried[q] = token + o
-                dx, dy = x - planned.place[q, 0], y - planned.place[q, 1]
-                near = _nearness(rates.bell, rates.sharpness, rates.disc, rates.radius, dx, dy)
-                if near == -np.inf:
+                links.tried[q] = number * n + o
+                near = _nearness(rates, px - planned.place[q, 0], py - planned.place[q, 1])
+                if near == -math.inf:
                     continue
                 near -= rates.share[mine]
-                first = near + rates.confusion[mine]
-                if planned.category[q] == mine:
-                    first = near + rates.hit[mine]
-                    again = near + rates.duplicate[mine]
-                    if again > rest:
-                        rest, links.second[o] = again, q
-                if sighted.hung[o] and planned.plane_first[q + 1] > planned.plane_first[q]:
-                    same = _on_one_wall(
-                        sighted.row_first, sighted.row, planned.plane_first, planned.plane,
-                        prior_plane, row, o, q,
-                    )  # fmt: skip
-                    first += rates.same_wall[mine] if same else rates.other_wall[mine]
-                joint = _joint(
-                    sighted.room_first, sighted.room, planned.home_first, planned.home,
-                    room, o, q, found, number,
-                )  # fmt: skip
-                if joint == SAME:
-                    first += rates.same_join[mine]
-                elif joint == HALF:
-                    first += rates.half_join[mine]
-                elif joint == ASTRAY:
-                    first += rates.other_join[mine]
-                if count == len(links.item):
-                    links = _grown(links)
+                if planned.category[q] == mine and near + rates.duplicate[mine] > rest:
+                    rest, links.second[o] = near + rates.duplicate[mine], q
+                if count == most:
+                    return math.nan
                 links.item[count] = q
-                links.gain[count] = first
+                links.gain[count] = near + _first_sight(t, view, o, q, number)
                 count += 1
         kept = begin
         for e in range(begin, count):
@@ -192,25 +179,46 @@ def _link(sighted, planned, rates, prior_plane, room, row, at, links, tried, tok
         links.first[o + 1] = count
         if here:
             total += rest
-    return total, links
+    return total
 
 
-@kernel
-def _joint(room_first, rooms, home_first, home, room, o, q, found, number):
+@part
+def _first_sight(t, view, o, q, number):
+    """Log ratio of what ``o`` is, is on and joins, when it is the first sight of ``q``."""
+    sighted, planned, rates = t.sighted, t.planned, t.rates
+    mine = sighted.category[o]
+    value = rates.hit[mine] if planned.category[q] == mine else rates.confusion[mine]
+    if sighted.hung[o] and planned.plane_first[q + 1] > planned.plane_first[q]:
+        same = _on_one_wall(sighted, planned, view, o, q)
+        value += rates.same_wall[mine] if same else rates.other_wall[mine]
+    joint = _joint(t, view, o, q, number)
+    if joint == SAME:
+        value += rates.same_join[mine]
+    elif joint == HALF:
+        value += rates.half_join[mine]
+    elif joint == ASTRAY:
+        value += rates.other_join[mine]
+    return value
+
+
+@part
+def _joint(t, view, o, q, number):
     """Whether ``o`` joins the matched rooms that ``q`` joins; ``ALONE`` where neither joins any."""
+    sighted, planned, found = t.sighted, t.planned, t.links.found
+    begin, end = planned.home_first[q], planned.home_first[q + 1]
     matched = 0
-    for e in range(home_first[q], home_first[q + 1]):
-        if found[home[e]] == number:
+    for e in range(begin, end):
+        if found[planned.home[e]] == number:
             matched += 1
     here, astray = 0, False
-    for e in range(room_first[o], room_first[o + 1]):
-        a = room[rooms[e]]
+    for e in range(sighted.room_first[o], sighted.room_first[o + 1]):
+        a = view.room[sighted.room[e]]
         if a < 0:
             continue
         here += 1
         inside = False
-        for f in range(home_first[q], home_first[q + 1]):
-            inside = inside or home[f] == a
+        for f in range(begin, end):
+            inside = inside or planned.home[f] == a
         astray = astray or not inside
     if max(here, matched) < 2:
         return ALONE
@@ -219,42 +227,30 @@ def _joint(room_first, rooms, home_first, home, room, o, q, found, number):
     return SAME if here == matched else HALF
 
 
-@kernel
-def _grown(links):
-    size = len(links.item)
-    item, gain = np.empty(2 * size, dtype=np.int64), np.empty(2 * size)
-    for e in range(size):
-        item[e] = links.item[e]
-        gain[e] = links.gain[e]
-    return Links(
-        links.first, item, gain, links.second, links.claim, links.owner, links.best, links.via
-    )
-
-
-@kernel
-def _nearness(bell, sharpness, disc, radius, x, y):
+@part
+def _nearness(rates, x, y):
     """Ln of the density of an object's place against anywhere in the clutter area."""
     square = x * x + y * y
-    density = bell * math.exp(-square * sharpness)
-    if square <= radius * radius:
-        density += disc
-    return math.log(density) if density > 0.0 else -np.inf
+    density = rates.bell * math.exp(-square * rates.sharpness)
+    if square <= rates.radius * rates.radius:
+        density += rates.disc
+    return math.log(density) if density > 0.0 else -math.inf
 
 
-@kernel
-def _on_one_wall(row_first, rows, plane_first, plane, prior_plane, row, o, q):
+@part
+def _on_one_wall(sighted, planned, view, o, q):
     """Whether a plane of ``o`` corresponds to one of ``q``."""
-    for e in range(row_first[o], row_first[o + 1]):
-        j = row[rows[e]]
+    for e in range(sighted.row_first[o], sighted.row_first[o + 1]):
+        j = view.row[sighted.row[e]]
         if j < 0:
             continue
-        for f in range(plane_first[q], plane_first[q + 1]):
-            if plane[f] == prior_plane[j]:
+        for f in range(planned.plane_first[q], planned.plane_first[q + 1]):
+            if planned.plane[f] == planned.row_plane[j]:
                 return True
     return False
 
 
-@kernel
+@part
 def _assign(links):
     """The largest sum of gains, each prior object claimed once; online objects one by one.
 
@@ -269,7 +265,7 @@ def _assign(links):
         if links.first[start] == links.first[start + 1]:
             continue
         for o in range(start + 1):
-            links.best[o] = -np.inf
+            links.best[o] = -math.inf
         links.best[start] = 0.0
         links.via[start] = -1
         gain, end, free = 0.0, start, -1
@@ -278,7 +274,7 @@ def _assign(links):
             changed = False
             for o in range(start + 1):
                 reach = links.best[o]
-                if reach == -np.inf:
+                if reach == -math.inf:
                     continue
                 for e in range(links.first[o], links.first[o + 1]):
                     holder = links.owner[links.item[e]]
@@ -301,7 +297,7 @@ def _assign(links):
     return total
 
 
-@kernel
+@part
 def _exchange(links, start, end, free):
     """Hand the claims on along the chain from ``start`` to ``end``, who takes ``free`` or none."""
     n = len(links.claim)
@@ -316,24 +312,26 @@ def _exchange(links, start, end, free):
         link, o = came // n, came % n
 
 
-@kernel
-def _missed(planned, rates, room, owner, counted, token):
+@part
+def _missed(t, view, number):
     """What the prior objects without a sight cost, room by room; each room perhaps seen in part.
 
     An object of two matched rooms is counted in the first.
     """
+    planned, rates, links = t.planned, t.rates, t.links
     total = 0.0
-    for r in range(len(room)):
-        if room[r] < 0:
+    for r in range(len(view.room)):
+        a = view.room[r]
+        if a < 0:
             continue
         whole, half, seen, hits = 0.0, 0.0, 0.0, 0
-        for f in range(planned.room_first[room[r]], planned.room_first[room[r] + 1]):
+        for f in range(planned.room_first[a], planned.room_first[a + 1]):
             q = planned.item[f]
-            if counted[q] == token:
+            if links.counted[q] == number:
                 continue
-            counted[q] = token
+            links.counted[q] = number
             c = planned.category[q]
-            if owner[q] >= 0:
+            if links.owner[q] >= 0:
                 hits += 1
                 seen += rates.hit[c]
                 whole += rates.hit[c]

@@ -57,14 +57,10 @@ class Solution:
         self.transform = Placement(x + ox - c * mx + s * my, y + oy - s * mx - c * my, z, yaw)
 
     @cached_property
-    def _views(self) -> View:
-        shift = np.array([self._shift])
-        return self._inputs.views(shift, np.array([self._at]))
-
-    @cached_property
     def view(self) -> View:
         """The correspondences as tables."""
-        return View(*(field[0] for field in self._views))
+        views = self._inputs.views(np.array([self._shift]), np.array([self._at]))
+        return View(*(field[0] for field in views))
 
     @cached_property
     def rooms(self) -> dict[str, str]:
@@ -120,7 +116,7 @@ class Solution:
         i = self._inputs
         if not i.weighs_objects:
             return {}
-        _, claims = i.evidence(self._views, np.array([self._at]))
+        _, claims = i.evidence(np.array([self._shift]), np.array([self._at]))
         planned = i.index.objects.ids
         pairs = zip(i.objects.ids, claims[0].tolist())
         return {mine: planned[theirs] for mine, theirs in pairs if theirs >= 0}

@@ -1,0 +1,60 @@
+"""What a ``Case`` is made of: its tables, and the sizes of the room to work in."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from situgraph.matching.boxes import SIDES
+from situgraph.matching.tables import Aim, Content, Limits, Plan, Seen
+
+WAITING = 64  # boxes of one pair of rooms that are put together
+DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
+
+
+class Tables(NamedTuple):
+    """What is compared, and how."""
+
+    seen: Seen
+    plan: Plan
+    limits: Limits
+    content: Content
+
+    def given(self, aim: Aim) -> dict[str, Any]:
+        """What the block of a ``Case`` is given."""
+        return {
+            "seen": self.seen.slots,
+            "plan": self.plan.slots,
+            "limits": self.limits.slots,
+            "content": self.content.slots,
+            "least": aim.least,
+            "budget": aim.budget,
+            "loss": aim.loss,
+        }
+
+    def sizes(
+        self, storeys: int, *, peaks: int = 0, boxes: int = 0, maps: int = 0
+    ) -> dict[str, int]:
+        """The sizes of a ``Case`` of so many online storeys; of ``maps`` shifts maps are kept."""
+        seen, plan = self.seen, self.plan
+        rooms, prior = len(seen.storey), len(plan.storey)
+        wide, tall = plan.cells.tolist()
+        return {
+            "N": rooms,
+            "N + 2": rooms + 2,
+            "P": len(seen.angle),
+            "M": prior,
+            "M + N": prior + rooms,
+            "U": storeys,
+            "n": seen.widest,
+            "n + 1": seen.widest + 1,
+            "m": plan.widest + 1,
+            "planes": seen.planes,
+            "peaks": peaks,
+            "depth": DEPTH,
+            "waiting": WAITING,
+            "sides": SIDES,
+            "like": prior // 64 + 1,
+            "boxes": boxes,
+            "maps": maps * rooms,
+            "words": 4 * maps * rooms * wide * tall,
+        }
