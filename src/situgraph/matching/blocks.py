@@ -67,9 +67,36 @@ class Block:
         made = (self._reals if real else self._words)[self._ends[k - 1] : self._ends[k]]
         return made.reshape(self._rows[k], self._columns[k]) if ndim == 2 else made
 
-    def arrays(self) -> dict[str, Any]:
-        """The arrays of the record itself that were laid out, by name."""
-        return {path: self.array(path) for path in self._scheme.laid if "." not in path}
+    def record(self, path: str) -> Laid:
+        """A record that was laid out with this one: ``case.found``."""
+        return Laid(self, path, int(self._words[self._scheme.inner[path]]))
+
+    def field(self, record: str, name: str) -> Any:
+        """A field of such a record: an array that was laid out, or what was given."""
+        path = f"{record}.{name}"
+        return self.array(path) if path in self._scheme.laid else self._given[name]
+
+
+class Laid:
+    """A record within a block, as Python sees it: its arrays are made when they are asked for.
+
+    Attributes:
+        place: the address of the record.
+    """
+
+    def __init__(self, block: Block, path: str, place: int) -> None:
+        """The record of this path, which is at this place."""
+        self._block, self._path, self.place = block, path, place
+
+    def __getattr__(self, name: str) -> Any:
+        """A field."""
+        value = self.__dict__[name] = self._block.field(self._path, name)
+        return value
+
+    @property
+    def slots(self) -> Laid:
+        """Itself: where it is in memory."""
+        return self
 
 
 def address(array: Any) -> int:
@@ -94,6 +121,7 @@ class Scheme(NamedTuple):
     told: Ints  # and their slots
     reals: list[tuple[str, int]]  # numbers that are not whole, and their slots
     laid: dict[str, tuple[int, bool, int]]  # arrays by path: which piece, if real, dimensions
+    inner: dict[str, int]  # the records in it by path: the slot of their address
 
 
 @cache
@@ -137,6 +165,7 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
             path: (k, field.kind.dtype is types.float64, field.kind.ndim)
             for k, (path, _, field) in enumerate(arrays, len(inner))
         },
+        {path[:-1]: slot for path, _, _, slot in inner[1:]},
     )
 
 

@@ -19,6 +19,12 @@ class Tables(NamedTuple):
     limits: Limits
     content: Content
 
+    @property
+    def turn(self) -> float:
+        """The yaw that takes the first wall seen to the first one planned, 0 without any."""
+        theirs, mine = self.plan.row, self.seen.angle
+        return float(theirs[0, 3] - mine[0]) if len(theirs) and len(mine) else 0.0
+
     def given(self, aim: Aim) -> dict[str, Any]:
         """What the block of a ``Case`` is given."""
         return {
@@ -29,6 +35,7 @@ class Tables(NamedTuple):
             "least": aim.least,
             "budget": aim.budget,
             "loss": aim.loss,
+            "base": self.turn,
         }
 
     def sizes(

@@ -49,17 +49,13 @@ def _sources_key() -> str:
     return digest.hexdigest()[:12]
 
 
-def kernel(function: F) -> F:
-    """Compile a function for other kernels, as a part of the entries that use it (``parts``)."""
-    return _compiled(function, **_PART)
-
-
 def part(function: F) -> F:
-    """The same for one that works on ``records`` and allocates nothing, which compiles faster.
+    """Compile a function for other kernels, as a part of the entries that use it (``parts``).
 
-    It is compiled once, not again for each constant it is called with.
+    It works on ``records`` and allocates nothing. It is compiled once, not again for each constant
+    it is called with.
     """
-    made = _compiled(function, **_PART, _nrt=False)
+    made = _compiled(function, **_PART)
     template = made.get_call_template  # type: ignore[attr-defined]
 
     def of_any_value(args: Any, kws: Any) -> Any:
@@ -80,6 +76,7 @@ _PART: dict[str, Any] = {
     "no_cpython_wrapper": True,
     "no_cfunc_wrapper": True,
     "pipeline_class": PartCompiler,
+    "_nrt": False,
 }
 
 

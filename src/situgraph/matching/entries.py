@@ -29,7 +29,7 @@ from situgraph.matching.tables import (
 )
 from situgraph.matching.traces import Start, Traces, recall, traces_of
 
-ROOM = 1024  # for peaks, to begin with
+ROOM, PEAKS_A_ROOM = 64, 2  # for peaks, to begin with: at least, for each prior room
 COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
 
 
@@ -62,9 +62,9 @@ def find_peaks(
     when incomplete, comparisons of planes, boxes left; and, where ``traced``, what a later search
     can start from.
     """
-    most = ROOM
+    most = max(ROOM, PEAKS_A_ROOM * len(tables.plan.storey))
     boxes = min(COVER * (len(tables.plan.storey) + COVER), MOST_COVER) if traced else 0
-    seen, plan, given = tables.seen, tables.plan, tables.given(aim)
+    given = tables.given(aim)
     known, first, wanted = None, None, 0
     if start is not None and start.on:
         known, first, wanted = start.cover, start.first, start.wanted
@@ -74,7 +74,6 @@ def find_peaks(
         block = Block(
             Search, sizes, shifts=shifts, known=known, known_first=first, wanted=wanted, **given
         )
-        block.array("case.ground.base")[0] = plan.row[0, 3] - seen.angle[0]
         if start is not None:
             recall(block, start)
         search_all(block.place)

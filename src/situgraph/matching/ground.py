@@ -146,7 +146,7 @@ def _row(plan, y):
 
 @part
 def _quarter(ground, yaw):
-    return round((yaw - ground.base[0]) / QUARTER) & 3
+    return round((yaw - ground.base) / QUARTER) & 3
 
 
 @part

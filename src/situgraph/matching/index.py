@@ -22,7 +22,7 @@ from situgraph.matching.corners import (
 )
 from situgraph.matching.ground import BITS
 from situgraph.matching.plain import plain_rooms
-from situgraph.matching.reading import limits_of, plan_lines, raw_rooms, storey_heights
+from situgraph.matching.reading import Rooms, limits_of, plan_lines, read_rooms, storey_heights
 from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of
 from situgraph.matching.sightings import Rates
 from situgraph.matching.tables import Floats, Ints, Limits, Plan
@@ -54,18 +54,18 @@ class PlanIndex:
         begin = time.perf_counter()
         self.prior = prior
         self.config = config or MatchingConfig()
-        centers, planes, names, counts = raw_rooms(prior)
-        heights = storey_heights(prior)
-        lines = plan_lines(centers, planes, names, counts, self.config.usable_tilt)
-        self.kept: Ints = (kept := lines.kept)
-        self.source: Ints = lines.source
+        rooms = read_rooms(prior, self.config.usable_tilt)
+        normal, distance = plan_lines(rooms)
+        heights = np.array(storey_heights(prior))
+        self.kept: Ints = rooms.kept
+        self.source: Ints = rooms.source
         # Numbers stay small, whatever far away origin the model has.
-        self.origin: Floats = centers[kept, :2].mean(axis=0) if len(kept) else np.zeros(2)
-        self.center: Floats = centers[kept, :2] - self.origin
-        self.elevations: Floats = np.unique(heights[kept])
-        self.area = _area(centers[:, :2], heights, self.config.plan_margin)
-        self.table = self._table(lines.first, lines.normal, lines.distance, heights[kept])
-        self.room_ids = [prior.rooms[k].id for k in kept]
+        self.origin: Floats = rooms.center[:, :2].mean(axis=0) if len(rooms.kept) else np.zeros(2)
+        self.center: Floats = rooms.center[:, :2] - self.origin
+        self.elevations: Floats = np.unique(heights[rooms.kept])
+        self.area = _area(prior, heights, self.config.plan_margin)
+        self.table = self._table(rooms, normal, distance, heights[rooms.kept])
+        self.room_ids = [prior.rooms[k].id for k in self.kept.tolist()]
         self.seconds = time.perf_counter() - begin
 
     @cached_property
@@ -93,8 +93,8 @@ class PlanIndex:
         """How many prior rooms count: those with at least two usable planes."""
         return len(self.kept)
 
-    def _table(self, first: Ints, normal: Floats, distance: Floats, heights: Floats) -> Plan:
-        room = np.repeat(np.arange(len(first) - 1), np.diff(first))
+    def _table(self, rooms: Rooms, normal: Floats, distance: Floats, heights: Floats) -> Plan:
+        first, room = rooms.first, rooms.room
         row = np.empty((len(distance), 4))
         row[:, :2] = normal
         row[:, 2] = distance - np.einsum("ij,ij->i", normal, self.center[room])
@@ -138,8 +138,9 @@ def cells_of(center: Floats) -> tuple[Ints, Floats]:
     return np.array([wide, tall], dtype=np.int64), np.array([*low, 1.0 / cell])
 
 
-def _area(centers: Floats, heights: Floats, margin: float) -> float:
+def _area(prior: SceneGraph, heights: Floats, margin: float) -> float:
     """Where a robot may be: the bounding rectangles of the storeys' room centres, grown."""
+    centers = np.array([r.center[:2] for r in prior.rooms]).reshape(-1, 2)
     total = 0.0
     for height in np.unique(heights):
         low, high = np.min(c := centers[heights == height], axis=0), np.max(c, axis=0)

@@ -71,16 +71,15 @@ def _rows(former: Inputs, inputs: Inputs) -> Ints:
     names = {former.online.rooms[k].id: r for r, k in enumerate(former.kept.tolist())}
     rooms = inputs.online.rooms
     row = np.array([names.get(rooms[k].id, -1) for k in inputs.kept.tolist()], dtype=np.int64)
-    then, now = former.lines, inputs.lines
+    then, now = former.rooms, inputs.rooms
     planes = np.diff(now.first)
     same = (row >= 0) & (np.diff(then.first)[row] == planes)
-    same &= (then.center[former.kept[row]] == now.center[inputs.kept]).all(axis=1)
-    same &= former.storeys[former.kept[row]] == inputs.storeys[inputs.kept]
+    same &= (then.center[row] == now.center).all(axis=1)
+    same &= former.storeys[row] == inputs.storeys
     # Row by row of the planes of these rooms.
-    room = np.repeat(np.arange(len(row)), planes)[np.repeat(same, planes)]
     here = np.flatnonzero(np.repeat(same, planes))
+    room = now.room[here]
     there = then.first[row[room]] + here - now.first[room]
-    other = (then.normal[there] != now.normal[here]).any(axis=1)
-    other |= then.distance[there] != now.distance[here]
-    same[room[other]] = False
+    other = then.equation[then.source[there]] != now.equation[now.source[here]]
+    same[room[other.any(axis=1)]] = False
     return np.where(same, row, -1)

@@ -13,7 +13,8 @@ from typing import Any
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NativeLowering
+from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
+from numba.core.untyped_passes import InlineClosureLikes
 
 
 class PartLibrary(JITCodeLibrary):
@@ -55,8 +56,12 @@ class LowerPart(NativeLowering):
         return bool(super().run_pass(state))
 
 
+# Passes for expressions on arrays, comprehensions and overloads, of which parts have none.
+NOT_FOR_PARTS = (InlineClosureLikes, InlineOverloads, NopythonRewrites)
+
+
 class PartCompiler(Compiler):
-    """Numba's compiler, but for the last step."""
+    """Numba's compiler, but for the last step, and for passes that would find nothing to do."""
 
     def define_pipelines(self) -> Any:
         """The usual passes; lowering replaced."""
@@ -65,6 +70,7 @@ class PartCompiler(Compiler):
             pipeline.passes = [
                 (LowerPart if step is NativeLowering else step, text)
                 for step, text in pipeline.passes
+                if step not in NOT_FOR_PARTS
             ]
             pipeline._finalized = False
             pipeline.finalize()

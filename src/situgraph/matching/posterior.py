@@ -12,7 +12,6 @@ import numpy as np
 from situgraph.matching.compiled import entry
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.explained import wrapped
-from situgraph.matching.grouping import join
 from situgraph.matching.tables import Floats, Ints, Seen
 
 Verdict = Literal["unique", "ambiguous", "none"]
@@ -55,59 +54,16 @@ def distinct(peaks, distance, yaw, height):
     return kept[:count]
 
 
-@entry
-def ties(first, angle, distance, center, turn, near, thick):
-    """How many of the walls' places say nothing new, as rooms stand wall to wall.
-
-    ``first`` (N + 1,) the rows of each online room, ``angle`` and ``distance`` (P,) of its walls,
-    ``center`` (N, 2). Walls of two rooms tie the rooms when they are parallel to ``turn`` (rad)
-    and stand on one line to ``near`` (m), or back to back and up to ``thick`` (m) apart. Counted
-    are those that join what no other has joined, along each direction by itself.
-    """
-    rows = len(angle)
-    group = np.arange(rows)
-    room = np.empty(rows, dtype=np.int64)
-    c, s, least = np.cos(angle), np.sin(angle), math.sin(turn)
-    for r in range(len(center)):
-        for i in range(first[r], first[r + 1]):
-            room[i] = r
-            for k in range(first[r], i):
-                if abs(c[i] * s[k] - s[i] * c[k]) <= least:
-                    join(group, i, k)
-    count = 0
-    for i in range(rows):
-        for k in range(i):
-            r, q = room[i], room[k]
-            if r == q or abs(c[i] * s[k] - s[i] * c[k]) > least:
-                continue
-            # Both lines are read halfway between the two rooms.
-            x, y = (center[q, 0] - center[r, 0]) / 2, (center[q, 1] - center[r, 1]) / 2
-            one = distance[i] + c[i] * x + s[i] * y
-            two = distance[k] - c[k] * x - s[k] * y
-            if c[i] * c[k] + s[i] * s[k] > 0:
-                tied = abs(one - two) <= near
-            else:
-                tied = -near <= -(one + two) <= thick
-            if tied and join(group, i, k):
-                count += 1
-    return count
-
-
 def log_outside(alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfig) -> float:
     """Ln W of 'not in this plan': another building is made of similar rooms, wall to wall."""
     gain = config.clutter_length / (2 * config.plane_offset_tolerance)
-    share = np.where(seen.shape > 0, alike, 0) / max(prior_rooms, 1)
-    tied = ties(
-        seen.first,
-        seen.angle,
-        seen.distance,
-        seen.center,
-        config.angle_tolerance,
-        config.plane_offset_tolerance,
-        config.wall_thickness,
+    shapes = zip(alike.tolist(), seen.shape.tolist())
+    rooms = sum(math.log1p(k / prior_rooms * gain**shape) for k, shape in shapes if shape > 0)
+    return (
+        math.log(config.outside_prior)
+        + rooms
+        + int(seen.tied[0]) * math.log1p(config.p_tied * gain)
     )
-    rooms = float(np.log1p(share * gain**seen.shape).sum())
-    return math.log(config.outside_prior) + rooms + int(tied) * math.log1p(config.p_tied * gain)
 
 
 def log_spread(area: float, config: MatchingConfig) -> float:

@@ -11,14 +11,7 @@ from situgraph.matching.cases import Tables
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import content_of, no_content
 from situgraph.matching.index import PlanIndex
-from situgraph.matching.reading import (
-    Lines,
-    limits_of,
-    plan_lines,
-    raw_rooms,
-    seen_table,
-    storey_heights,
-)
+from situgraph.matching.reading import Rooms, limits_of, read_rooms, seen_table, storey_heights
 from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
 from situgraph.matching.sightings import Rates
 from situgraph.matching.sights import views_at, weigh
@@ -36,16 +29,24 @@ class Inputs:
     config: MatchingConfig
     semantics: str
     flipped: bool  # whether it is the mirror image (x to -x) of the online graph
-    kept: Ints  # the online rooms that count
-    source: Ints  # the online plane of each row
-    lines: Lines  # the rooms that count; not mirrored
-    storeys: Ints  # of all online rooms
+    rooms: Rooms  # the online rooms that count; not mirrored
+    storeys: Ints  # (N,) of each of them
     seen: Seen
     middle: Floats  # the mean of the room centres, map frame
     content: Content
     shifts: Floats  # in height
     mapping: Ints  # prior storey of each online storey, by shift
     limits: Limits
+
+    @property
+    def kept(self) -> Ints:
+        """The online rooms that count."""
+        return self.rooms.kept
+
+    @property
+    def source(self) -> Ints:
+        """The online plane of each row."""
+        return self.rooms.source
 
     @property
     def least(self) -> int:
@@ -81,7 +82,7 @@ class Inputs:
 
     def mirrored(self) -> Inputs:
         """The same of the mirror image (x to -x) of the online graph."""
-        seen, middle = seen_table(self.lines, self.storeys, self.limits, True)
+        seen, middle = seen_table(self.rooms, self.storeys, self.limits, True)
         return replace(self, flipped=True, seen=seen, middle=middle)
 
     @property
@@ -106,16 +107,17 @@ def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: Matchi
         InputError: a room names a plane that is not there.
     """
     limits = index.limits if config is index.config else limits_of(config)
-    lines = plan_lines(*raw_rooms(online), config.usable_tilt)
-    levels = storey_heights(online)
-    heights = np.array(sorted(set(levels[lines.kept].tolist())))
-    storeys = np.searchsorted(heights, levels)
-    seen, middle = seen_table(lines, storeys, limits, False)
-    shifts, mapping = storey_shifts(heights, index.elevations, config.storey_tolerance)
+    rooms = read_rooms(online, config.usable_tilt)
+    level = storey_heights(online)
+    levels = [level[r] for r in rooms.kept.tolist()]
+    heights = sorted(set(levels))
+    storeys = np.array([heights.index(z) for z in levels], dtype=np.int64)
+    seen, middle = seen_table(rooms, storeys, limits, False)
+    shifts, mapping = storey_shifts(np.array(heights), index.elevations, config.storey_tolerance)
     content = no_content()
     if semantics == "containment":
-        content = content_of(online, index.stock, lines.kept, lines.first, lines.source)
+        content = content_of(online, index.stock, rooms.kept, rooms.first, rooms.source)
     return Inputs(
-        online, index, config, semantics, False, lines.kept, lines.source, lines, storeys, seen,
-        middle, content, shifts, mapping, limits,
+        online, index, config, semantics, False, rooms, storeys, seen, middle, content, shifts,
+        mapping, limits,
     )  # fmt: skip

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
-from typing import Annotated, Any, NamedTuple
+from itertools import accumulate, pairwise
+from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from situgraph.matching.config import MatchingConfig
 from situgraph.matching.plain import square
 from situgraph.matching.records import record_at
 from situgraph.matching.tables import Floats, Ints, Limits, Seen, Table
+from situgraph.matching.ties import cross, ties
 from situgraph.scenegraph.graph import SceneGraph
 
 
@@ -51,163 +52,113 @@ def limits_of(config: MatchingConfig) -> Limits:
     return Limits(**values, slots=Block(Limits, {}, **values))
 
 
-def raw_rooms(graph: SceneGraph) -> tuple[Floats, Floats, Ints, Ints]:
-    """Room centres (R, 3), planes (P, 4), each room's plane rows, and how many each room has.
+class Rooms(NamedTuple):
+    """The rooms of a graph that count, those of two usable planes, as arrays."""
+
+    center: Floats  # (N, 3)
+    equation: Floats  # (p, 4) normal and offset of each plane of the graph
+    kept: Ints  # (N,) which rooms of the graph they are
+    first: Ints  # (N + 1,) the rows of each
+    source: Ints  # (P,) the plane of each row
+
+    @property
+    def room(self) -> Ints:
+        """The room of each row (P,)."""
+        return np.repeat(np.arange(len(self.kept)), np.diff(self.first))
+
+
+def read_rooms(graph: SceneGraph, tilt: float) -> Rooms:
+    """The rooms that count; a plane is usable when its normal is as near to horizontal as ``tilt``.
 
     Raises:
         InputError: a room names a plane that is not there.
     """
     row = {p.id: k for k, p in enumerate(graph.planes)}
     try:
-        names = [row[p] for r in graph.rooms for p in r.planes]
+        named = [[row[p] for p in r.planes] for r in graph.rooms]
     except KeyError as error:
         problem = f"a room names the plane {error.args[0]!r}, which is not there"
         raise InputError(graph.name or "scene graph", problem, "add the plane") from error
-    centers = np.array([r.center for r in graph.rooms], dtype=np.float64).reshape(-1, 3)
-    flat = [number for p in graph.planes for number in (*p.normal, p.offset)]
-    planes = np.array(flat, dtype=np.float64).reshape(-1, 4)
-    counts = np.array([len(r.planes) for r in graph.rooms], dtype=np.int64)
-    return centers, planes, np.array(names, dtype=np.int64), counts
+    steepest = math.sin(tilt) + 1e-12
+    steep = {k for k, p in enumerate(graph.planes) if abs(p.normal[2]) > steepest}
+    if steep:
+        named = [[k for k in planes if k not in steep] for planes in named]
+    kept = [r for r, planes in enumerate(named) if len(planes) > 1]
+    rows = [named[r] for r in kept]
+    numbers = [x for p in graph.planes for x in (*p.normal, p.offset)]
+    return Rooms(
+        np.array([graph.rooms[r].center for r in kept], dtype=np.float64).reshape(-1, 3),
+        np.array(numbers, dtype=np.float64).reshape(-1, 4),
+        np.array(kept, dtype=np.int64),
+        np.array([0, *accumulate(map(len, rows))], dtype=np.int64),
+        np.array([k for planes in rows for k in planes], dtype=np.int64),
+    )
 
 
-def storey_heights(graph: SceneGraph) -> Floats:
+def plan_lines(rooms: Rooms) -> tuple[Floats, Floats]:
+    """Each row as a line in the plan: its normal (P, 2), its distance of the room's centre (P,)."""
+    plane, center = rooms.equation[rooms.source], rooms.center[rooms.room]
+    flat = np.hypot(plane[:, 0], plane[:, 1])
+    reach = np.einsum("ij,ij->i", plane[:, :3], center) + plane[:, 3]
+    return plane[:, :2] / flat[:, None], reach / flat
+
+
+def storey_heights(graph: SceneGraph) -> list[float]:
     """The elevation of each room's storey (R,)."""
     elevation = {s.id: s.elevation for s in graph.storeys}
-    return np.array([elevation.get(r.storey, 0.0) if r.storey else 0.0 for r in graph.rooms])
-
-
-class Reading(NamedTuple):
-    """Rooms of a graph, and their lines."""
-
-    center: Table  # (R, 3)
-    planes: Table  # (P, 4)
-    name: Ints  # (K,) plane rows of the rooms, one room after the other
-    number: Ints  # (R,) how many each room has
-    steepest: float
-    kept: Annotated[Ints, "R"]
-    first: Annotated[Ints, "R + 1"]
-    normal: Annotated[Floats, "K", 2]
-    distance: Annotated[Floats, "K"]
-    source: Annotated[Ints, "K"]
-    done: Annotated[Ints, 1]  # how many rooms count
-
-
-class Lines(NamedTuple):
-    """Rooms with two usable planes as lines in the plan."""
-
-    center: Floats  # (R, 3) of all rooms
-    kept: Ints  # (N,) the rooms that count
-    first: Ints  # (N + 1,) the rows of each
-    normal: Floats  # (P, 2)
-    distance: Floats  # (P,) signed, of the room's centre
-    source: Ints  # (P,) the plane
-    block: Block  # of the ``Reading``
-
-
-def plan_lines(centers: Floats, planes: Floats, names: Ints, counts: Ints, tilt: float) -> Lines:
-    """The lines of the rooms that count."""
-    block = Block(
-        Reading,
-        {"R": len(counts), "R + 1": len(counts) + 1, "K": len(names)},
-        center=centers,
-        planes=planes,
-        name=names,
-        number=counts,
-        steepest=math.sin(tilt) + 1e-12,
-    )
-    read_lines(block.place)
-    made = block.arrays()
-    rooms = int(made["done"][0])
-    rows = int(made["first"][rooms])
-    return Lines(
-        centers,
-        made["kept"][:rooms],
-        made["first"][: rooms + 1],
-        made["normal"][:rows],
-        made["distance"][:rows],
-        made["source"][:rows],
-        block,
-    )
-
-
-@entry
-def read_lines(place):
-    """Fill a ``Reading``."""
-    _read_lines(record_at(place, Reading))
-
-
-@part
-def _read_lines(t):
-    rooms, rows, at = 0, 0, 0
-    for r in range(len(t.number)):
-        begin = rows
-        for k in range(at, at + t.number[r]):
-            p = t.name[k]
-            plane = t.planes[p]
-            if abs(plane[2]) > t.steepest:
-                continue
-            flat = math.sqrt(plane[0] * plane[0] + plane[1] * plane[1])
-            t.normal[rows, 0] = plane[0] / flat
-            t.normal[rows, 1] = plane[1] / flat
-            reach = plane[3]
-            for axis in range(3):
-                reach += plane[axis] * t.center[r, axis]
-            t.distance[rows] = reach / flat
-            t.source[rows] = p
-            rows += 1
-        at += t.number[r]
-        if rows - begin < 2:
-            rows = begin
-            continue
-        t.kept[rooms] = r
-        rooms += 1
-        t.first[rooms] = rows
-    t.done[0] = rooms
+    return [elevation.get(r.storey, 0.0) if r.storey else 0.0 for r in graph.rooms]
 
 
 class Drafting(NamedTuple):
-    """An online graph's lines, and the table to be made of them."""
+    """The rooms of an online graph, and the table to be made of them."""
 
     seen: Seen
-    lines: Reading
     limits: Limits
-    storeys: Ints  # (R,)
+    room: Table  # (N, 3) centres
+    equation: Table
+    begin: Ints  # (N + 1,) ``Rooms.first``
+    source: Ints
+    level: Ints  # (N,) storeys
     side: float  # -1 for the mirror image
-    number: Annotated[Ints, "largest source + 1"]
+    normal: Annotated[Floats, "P", 2]  # in the plan
+    number: Annotated[Ints, "all planes"]
     share: Annotated[Floats, "planes"]
+    tie: Annotated[Ints, "P"]
     middle: Annotated[Floats, 2]
 
 
-def seen_table(lines: Lines, storeys: Ints, limits: Limits, flipped: bool) -> tuple[Seen, Floats]:
+def seen_table(rooms: Rooms, storeys: Ints, limits: Limits, flipped: bool) -> tuple[Seen, Floats]:
     """The online rooms as the search wants them, and the mean of their centres (2,).
 
-    ``storeys`` (R,) of all rooms; ``flipped``: of the mirror image (x to -x).
+    ``storeys`` (N,) of the rooms; ``flipped``: of the mirror image (x to -x).
     """
-    sources = lines.source.tolist()
-    counts = [end - begin for begin, end in pairwise(lines.first.tolist())]
-    planes, widest = len(set(sources)), max(counts, default=1)
+    first = rooms.first.tolist()
+    counts = [end - begin for begin, end in pairwise(first)]
+    planes = len(set(rooms.source.tolist()))
     sizes = {
         "N": len(counts),
-        "N + 1": len(counts) + 1,
-        "P": len(sources),
+        "N + 1": len(first),
+        "P": first[-1],
         "planes": planes,
         "crossings": sum(n * (n - 1) // 2 for n in counts),
         "probes": 3 * len(counts),
-        "largest source + 1": max(sources, default=-1) + 1,
+        "all planes": len(rooms.equation),
     }
-    block = Block(Seen, sizes, planes=planes, widest=widest)
-    draft = Block(
+    block = Block(
         Drafting,
         sizes,
-        seen=block,
-        lines=lines.block,
         limits=limits.slots,
-        storeys=storeys,
+        room=rooms.center,
+        equation=rooms.equation,
+        begin=rooms.first,
+        source=rooms.source,
+        level=storeys,
         side=-1.0 if flipped else 1.0,
+        planes=planes,
+        widest=max(counts, default=1),
     )
-    draw_seen(draft.place)
-    seen = Seen(**block.arrays(), planes=planes, widest=widest, slots=block)
-    return seen, draft.array("middle")
+    draw_seen(block.place)
+    return cast(Seen, block.record("seen")), block.array("middle")
 
 
 @entry
@@ -218,25 +169,22 @@ def draw_seen(place):
 
 @part
 def _draw_seen(t):
-    seen, lines, middle = t.seen, t.lines, t.middle
+    seen, middle = t.seen, t.middle
     rooms = len(seen.storey)
     for k in range(rooms):
-        center = lines.center[lines.kept[k]]
-        middle[0] += t.side * center[0] / rooms
-        middle[1] += center[1] / rooms
+        middle[0] += t.side * t.room[k, 0] / rooms
+        middle[1] += t.room[k, 1] / rooms
     for k in range(rooms):
-        center = lines.center[lines.kept[k]]
-        seen.center[k, 0] = t.side * center[0] - middle[0]
-        seen.center[k, 1] = center[1] - middle[1]
-        seen.storey[k] = t.storeys[lines.kept[k]]
-        seen.first[k + 1] = lines.first[k + 1]
-    for k in range(len(seen.angle)):
-        seen.angle[k] = math.atan2(lines.normal[k, 1], t.side * lines.normal[k, 0])
-        seen.distance[k] = lines.distance[k]
+        seen.center[k, 0] = t.side * t.room[k, 0] - middle[0]
+        seen.center[k, 1] = t.room[k, 1] - middle[1]
+        seen.storey[k] = t.level[k]
+        seen.first[k + 1] = t.begin[k + 1]
+        for i in range(t.begin[k], t.begin[k + 1]):
+            _line(t, k, i)
     _number(t)
     probes = 0
     for r in range(rooms):
-        found = _probes(seen, r, t.limits.sine, probes)
+        found = _probes(t, r, probes)
         seen.flat[r] = 1 if found == 0 else 0
         strict = found == 0 or seen.first[r + 1] - seen.first[r] == 2
         seen.strict[r] = 1 if strict else 0
@@ -247,13 +195,27 @@ def _draw_seen(t):
         square(seen, r, t.limits.angle / 2, t.limits.angle, seen.plain[r])
     _shape(t)
     _crossings(t)
+    if t.side > 0.0:
+        seen.tied[0] = ties(t)
+
+
+@part
+def _line(t, k, i):
+    """Row ``i``, of room ``k``."""
+    plane, center = t.equation[t.source[i]], t.room[k]
+    flat = math.sqrt(plane[0] * plane[0] + plane[1] * plane[1])
+    reach = plane[0] * center[0] + plane[1] * center[1] + plane[2] * center[2] + plane[3]
+    t.normal[i, 0] = t.side * plane[0] / flat
+    t.normal[i, 1] = plane[1] / flat
+    t.seen.angle[i] = math.atan2(plane[1], t.side * plane[0])
+    t.seen.distance[i] = reach / flat
 
 
 @part
 def _place_probe(t, r, k):
     seen = t.seen
     i, j, arm = seen.probe[k, 0], seen.probe[k, 1], seen.probe_arm[k]
-    _meeting(seen.angle, seen.distance, i, j, arm)
+    _meeting(t, i, j, arm)
     length = math.sqrt(arm[0] * arm[0] + arm[1] * arm[1])
     arm[0] += seen.center[r, 0]
     arm[1] += seen.center[r, 1]
@@ -265,7 +227,7 @@ def _number(t):
     """Distinct planes numbered in the order they are met."""
     number, count = t.number, 0
     for k in range(len(t.seen.plane)):
-        p = t.lines.source[k]
+        p = t.source[k]
         if number[p] == 0:
             count += 1
             number[p] = count
@@ -298,7 +260,7 @@ def _crossings(t):
     for r in range(len(seen.storey)):
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(i + 1, seen.first[r + 1]):
-                if abs(math.sin(seen.angle[j] - seen.angle[i])) >= t.limits.sine:
+                if abs(cross(t.normal, i, j)) >= t.limits.sine:
                     seen.crossed[count, 0] = i
                     seen.crossed[count, 1] = j
                     count += 1
@@ -306,11 +268,11 @@ def _crossings(t):
 
 
 @part
-def _meeting(angle, distance, i, j, out):
-    """Where planes ``i`` and ``j`` meet, from the room's centre."""
-    cross = math.sin(angle[j] - angle[i])
-    out[0] = -(distance[i] * math.sin(angle[j]) - distance[j] * math.sin(angle[i])) / cross
-    out[1] = -(distance[j] * math.cos(angle[i]) - distance[i] * math.cos(angle[j])) / cross
+def _meeting(t, i, j, out):
+    """Where rows ``i`` and ``j`` meet, from the room's centre."""
+    normal, distance, turn = t.normal, t.seen.distance, cross(t.normal, i, j)
+    out[0] = -(distance[i] * normal[j, 1] - distance[j] * normal[i, 1]) / turn
+    out[1] = -(distance[j] * normal[i, 0] - distance[i] * normal[j, 0]) / turn
 
 
 @part
@@ -329,22 +291,22 @@ def _reach(turn, length, limits):
 
 
 @part
-def _probes(seen, r, sine, at):
+def _probes(t, r, at):
     """Corners such that, whatever single plane is missing, one of them is whole; their number.
 
     They go to ``seen.probe`` from row ``at`` on. None when all planes are parallel. A plane that is
     in every corner cannot be missing: then no two planes that fit would be left that are not
     parallel.
     """
-    angle, distance, begin, end = seen.angle, seen.distance, seen.first[r], seen.first[r + 1]
+    seen, begin, end = t.seen, t.seen.first[r], t.seen.first[r + 1]
     count = 0
     lost_i, lost_j = -1, -1
     for attempt in range(3):
         best, bi, bj = 0.0, -1, -1
         for i in range(begin, end):
             for j in range(begin, end):
-                cross = math.sin(angle[j] - angle[i])
-                if cross < sine:
+                turn = cross(t.normal, i, j)
+                if turn < t.limits.sine:
                     continue
                 if attempt == 1 and (i == lost_i or j == lost_i):
                     continue
@@ -352,7 +314,7 @@ def _probes(seen, r, sine, at):
                     continue
                 other = lost_j if attempt == 1 else lost_i
                 bonus = 10.0 if attempt == 1 and i != other and j != other else 0.0
-                value = bonus + cross - 0.02 * (abs(distance[i]) + abs(distance[j]))
+                value = bonus + turn - 0.02 * (abs(seen.distance[i]) + abs(seen.distance[j]))
                 if bi < 0 or value > best:
                     best, bi, bj = value, i, j
         if bi < 0:

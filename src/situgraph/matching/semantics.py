@@ -34,6 +34,8 @@ class SeenObjects(NamedTuple):
 
     ids: tuple[str, ...]
     table: Sighted
+    only: Ints  # (n,) the room each is in, where that is one; else -1
+    rows: int  # of planes that objects may be on
 
 
 def planned_objects(
@@ -81,26 +83,42 @@ def seen_objects(
     ``flipped``: of the mirror image, of which ``middle`` is the mean room centre.
     """
     rooms = {online.rooms[k].id: i for i, k in enumerate(kept.tolist())}
-    objects, homes = [], []
-    for o in online.objects:
-        home = [rooms[r] for r in o.rooms if r in rooms]
-        if home and o.category in planned.column:
-            objects.append(o)
-            homes.append(home)
     rows: dict[str, list[int]] = {}
     for k, plane in enumerate(source.tolist()):
         rows.setdefault(online.planes[plane].id, []).append(k)
-    place = np.array([o.center[:2] for o in objects]).reshape(-1, 2)
-    if flipped:
-        place = place * (-1.0, 1.0)
+    ids: list[str] = []
+    category: list[int] = []
+    place: list[float] = []
+    hung: list[int] = []
+    only: list[int] = []
+    room_first, row_first = [0], [0]
+    room: list[int] = []
+    row: list[int] = []
+    for o in online.objects:
+        column = planned.column.get(o.category)
+        home = [rooms[r] for r in o.rooms if r in rooms]
+        if column is None or not home:
+            continue
+        ids.append(o.id)
+        category.append(column)
+        x, y, _ = o.center
+        place += (-x if flipped else x, y)
+        hung.append(1 if o.planes else 0)
+        only.append(home[0] if len(home) == 1 else -1)
+        room += home
+        row += [k for p in o.planes for k in rows.get(p, ())]
+        room_first.append(len(room))
+        row_first.append(len(row))
     table = Sighted(
-        np.array([planned.column[o.category] for o in objects], dtype=np.int64),
-        place - middle,
-        *_packed(homes),
-        *_packed([k for p in o.planes for k in rows.get(p, ())] for o in objects),
-        np.array([bool(o.planes) for o in objects], dtype=np.int64),
+        np.array(category, dtype=np.int64),
+        np.array(place, dtype=np.float64).reshape(-1, 2) - middle,
+        np.array(room_first, dtype=np.int64),
+        np.array(room, dtype=np.int64),
+        np.array(row_first, dtype=np.int64),
+        np.array(row, dtype=np.int64),
+        np.array(hung, dtype=np.int64),
     )
-    return SeenObjects(tuple(o.id for o in objects), table)
+    return SeenObjects(tuple(ids), table, np.array(only, dtype=np.int64), len(source))
 
 
 def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
@@ -131,6 +149,9 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
         "shared": config.object_shared,
         "whole": config.seen_whole,
     }
+    near = math.log(values["bell"] + values["disc"]) - values["share"]
+    seen = np.maximum(np.maximum(values["hit"], values["confusion"]), values["duplicate"])
+    values["most"] = np.maximum(np.maximum(near + seen, values["false"]), 0.0)
     return Rates(**values, slots=Block(Rates, {}, **values))
 
 
@@ -141,18 +162,14 @@ def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[Floats, float]:
     lower the sum, and so does a wall whose objects are told apart.
     """
     table = seen.table
-    near = math.log(rates.bell + rates.disc) - rates.share
-    claim = near + np.maximum(np.maximum(rates.hit, rates.confusion), rates.duplicate)
-    alone: Floats = np.maximum(np.maximum(claim, rates.false), 0.0)[table.category]
-    rows = int(table.row.max(initial=-1)) + 1
-    return alone, float(most_shared(table.row_first, table.row, rows, rates.shared))
+    together = most_shared(table.row_first, table.row, seen.rows, rates.shared)
+    return rates.most[table.category], float(together)
 
 
 def in_one_room(seen: SeenObjects, value: Floats, rooms: int) -> Floats:
     """The sums of a value over the objects that are in one room only, by room (N,)."""
-    first, room = seen.table.room_first, seen.table.room
-    alone = np.diff(first) == 1
-    return np.asarray(np.bincount(room[first[:-1][alone]], value[alone], rooms), dtype=float)
+    sums: Floats = np.bincount(seen.only + 1, value, rooms + 1)[1:]  # type: ignore[assignment]
+    return sums
 
 
 def _packed(lists: Iterable[list[int]]) -> tuple[Ints, Ints]:

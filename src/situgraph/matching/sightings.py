@@ -62,6 +62,7 @@ class Rates(NamedTuple):
     other_join: Floats
     share: Floats
     half_miss: Floats  # not seen, of a room seen by half
+    most: Floats  # an upper bound on what one object adds
     bell: float  # peak of the density of the place against anywhere
     sharpness: float  # 1 / (2 sigma^2)
     disc: float  # the tail's

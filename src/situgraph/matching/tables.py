@@ -73,6 +73,7 @@ class Seen(NamedTuple):
     storey: Annotated[Ints, "N"]
     shape: Annotated[Floats, "N"]  # how many of its planes a similar shape would explain
     own: Annotated[Ints, "N"]  # how many of its planes are in no other room
+    tied: Annotated[Ints, 1]  # how often walls stand wall to wall (``ties``); not mirrored
     crossed_first: Annotated[Ints, "N + 1"]  # pairs of a room's planes that are not parallel
     crossed: Annotated[Ints, "crossings", 2]
     probe_first: Annotated[Ints, "N + 1"]  # corners by which a room is looked up
@@ -260,7 +261,7 @@ class Ground(NamedTuple):
     """Where in the plan each online room may lie (``ground``)."""
 
     word: Annotated[Ints, "words"]  # bits of cells, by shift, room, quarter turn, row of cells
-    base: Annotated[Floats, 1]  # yaw of the first quarter
+    base: float  # yaw of the first quarter
     known: Annotated[Ints, "N"]  # whether a room has a map
     drawn: Annotated[Ints, "maps"]  # by shift and room: whether a map has been drawn
     part: Annotated[Ints, 1]  # where in ``drawn`` the present shift begins

@@ -43,7 +43,7 @@ def recall(block: Block, start: Start) -> None:
     block.array("case.found.alike")[seen] = traces.alike[row]
     block.array("case.found.like")[seen] = traces.like[row]
     shifts = len(traces.drawn)
-    if traces.base == block.array("case.ground.base")[0] and shifts * rooms == len(drawn):
+    if traces.base == block.field("case.ground", "base") and shifts * rooms == len(drawn):
         drawn.reshape(shifts, rooms)[:, seen] = traces.drawn[:, row]
         ground.reshape(shifts, rooms, -1)[:, seen] = traces.maps[:, row]
 
@@ -58,7 +58,7 @@ def traces_of(block: Block, shifts: int) -> Traces:
         block.array("case.found.like"),
         block.array("case.ground.word").reshape(shifts, len(alike), -1),
         block.array("case.ground.drawn").reshape(shifts, len(alike)),
-        float(block.array("case.ground.base")[0]),
+        block.field("case.ground", "base"),
         left[:boxes].copy() if whole else None,
         block.array("left_shift")[:boxes].copy(),
     )
