@@ -8,6 +8,7 @@ import msgspec
 import pytest
 from tests.coupling.plans import MAP, PRIOR, all_pairs, seen
 
+from situgraph.coupling.association import associate_planes
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.located import Located, locate
 from situgraph.scenegraph.graph import Plane, SceneGraph
@@ -117,6 +118,21 @@ def test_later_rooms_and_walls_are_associated_by_their_place() -> None:
     found = locate(online, PRIOR, only, config=CONFIG)
     assert dict(found.rooms) == {r.id: r.id for r in PRIOR.rooms}
     assert {(p.id, p.id) for p in PRIOR.planes} <= set(found.planes)
+
+
+@pytest.mark.parametrize("by", [0.2, -0.3, 0.41])
+def test_all_planes_of_a_moved_wall_are_its_face(by: float) -> None:
+    face = PRIOR.room_by_id["r1"].planes[0]
+    online = seen(PRIOR, {face: by})
+    wall = online.plane_by_id[face]
+    pairs = all_pairs(online)
+    nearer = 0.01 if by > 0 else -0.01
+    for name, apart, same in (("half", nearer, True), ("pane", -0.1, False)):
+        further = msgspec.structs.replace(wall, id=name, offset=wall.offset + apart)
+        more = online.replace(planes=(*online.planes, further))
+        found = associate_planes(more, PRIOR, MAP, pairs.storeys, {}, CONFIG)
+        assert (face, face) in found
+        assert ((name, face) in found) is same
 
 
 def test_the_answer_is_strict_json() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,21 @@ from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.walls import stretch
 from situgraph.geometry.poses import Array, Placement
 from situgraph.scenegraph.graph import Plane, Room, SceneGraph, Vec2
+
+
+class Option(NamedTuple):
+    """An online plane may be a planned face; the least is the best.
+
+    ``short``: it covers less than half of the face; ``loose``: it bounds no room. ``away`` (m) is
+    how far from the face it is, ``offset`` (m) where: positive behind the face.
+    """
+
+    short: bool
+    loose: bool
+    away: float
+    name: str
+    face: str
+    offset: float
 
 
 def associate_planes(
@@ -25,8 +41,9 @@ def associate_planes(
 
     A plane of the map may be several faces of the plan in one line, and one face may be seen as
     several planes. A face gets the nearest plane of its direction that covers half of it, else the
-    nearest with a common stretch; further ones only in the same surface: a window pane or a
-    cupboard before the wall is not the wall.
+    nearest with a common stretch, one that bounds a room before others; further ones only in the
+    surface of that one, wherever it stands: a window pane or a cupboard before the wall is not the
+    wall.
 
     Args:
         online: in the map frame.
@@ -42,18 +59,18 @@ def associate_planes(
         for storey in floors.get(face.id, {None}):
             by_storey.setdefault(storey, []).append(face)
     only = set(storeys.values())
-    options: list[tuple[bool, float, str, str]] = []
+    options: list[Option] = []
     for plane in online.planes:
         levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}
         faces = [f for level in levels or only for f in by_storey.get(level, [])]
         if levels or len(only) == 1:
-            options += _options(plane, faces, placement, config)
+            options += _options(plane, faces, plane.id in own, placement, config)
     pairs = {(k, v) for k, v in matched.items() if k in online.plane_by_id}
-    taken = {face for _, face in pairs}
-    for _, away, name, face_id in sorted(options):
-        if face_id not in taken or away <= config.same_surface:
-            pairs.add((name, face_id))
-            taken.add(face_id)
+    surface = {taken: 0.0 for _, taken in pairs}
+    surface |= {o.face: o.offset for o in options if (o.name, o.face) in pairs}
+    for o in sorted(options):
+        if abs(o.offset - surface.setdefault(o.face, o.offset)) <= config.same_surface:
+            pairs.add((o.name, o.face))
     return tuple(sorted(pairs))
 
 
@@ -96,12 +113,9 @@ def _covering(
 
 
 def _options(
-    plane: Plane, faces: list[Plane], placement: Placement, config: CouplingConfig
-) -> Iterator[tuple[bool, float, str, str]]:
-    """The planned faces that an online plane may be.
-
-    Whether it covers less than half of the face, how far away it is (m), its id, the face's.
-    """
+    plane: Plane, faces: list[Plane], bounds: bool, placement: Placement, config: CouplingConfig
+) -> Iterator[Option]:
+    """The planned faces that an online plane may be; ``bounds``: whether it bounds a room."""
     n, d = _line(plane)
     normal = placement.vectors(n)
     offset = d - float(normal @ np.array([placement.x, placement.y]))
@@ -117,9 +131,10 @@ def _options(
         half = 0.5 * (planned[1] - planned[0])
         if common < min(config.least_overlap, half):
             continue
-        away = float(np.mean(np.abs(_ends(face) @ normal + offset)))
+        beside = _ends(face) @ normal + offset
+        away = float(np.mean(np.abs(beside)))
         if away <= config.same_offset:
-            yield common < half, away, plane.id, face.id
+            yield Option(common < half, not bounds, away, plane.id, face.id, float(np.mean(beside)))
 
 
 def _ends(face: Plane) -> Array:

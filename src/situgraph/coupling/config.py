@@ -54,8 +54,9 @@ class CouplingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         float, setting("Faces that differ less may be one", "rad", _DESIGN, gt=0, le=0.3)
     ] = math.radians(5)
     same_offset: Annotated[
-        float, setting("Faces farther apart are never one", "m", _DESIGN, gt=0, le=2)
-    ] = 0.4
+        float,
+        setting("Faces farther apart are never one: 0.4 m and errors", "m", _DESIGN, gt=0, le=2),
+    ] = 0.45
     same_surface: Annotated[
         float, setting("A second plane on one face lies this near it", "m", _CHOICE, gt=0, le=1)
     ] = 0.06
