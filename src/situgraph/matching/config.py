@@ -178,7 +178,7 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         setting(
             "Feasible sets narrower than this may be passed over", "m", "docs/matching.md", gt=0
         ),
-    ] = 0.001
+    ] = 0.002
     peak_step: Annotated[
         float,
         setting(

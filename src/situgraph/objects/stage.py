@@ -86,7 +86,7 @@ class ObjectStage:
         found, free = self._placed(views, gaps)
         passages = in_walls(doorways(path, graph, self.config), gaps, graph, self.config)
         sure, weak = (
-            [relate(o, views, self.config) for o in flat] for flat in (found.given, found.weak)
+            [relate(o, views, self.config) for o in held] for held in (found.given, found.weak)
         )
         doors = backed(weak, sure, passages, graph, self.config)
         # Where no wall was seen there is no opening in it.
