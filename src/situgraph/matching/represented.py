@@ -23,32 +23,33 @@ from situgraph.matching.peaks import same_place
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import PEAKS
 
+TIE = 1e-6  # of L, which rounding may decide
 NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 
 
 @part
-def known_peak(case, box, wide):
+def known_peak(case, box):
     """A peak that represents all feasible placements of the box, -1 for none.
 
-    Of peaks that are the same only the highest becomes a candidate: of a ``wide`` box it has to
+    Of peaks that are the same only the highest becomes a candidate: whichever that is has to
     represent them too.
     """
     for k in range(min(case.found.count[PEAKS], len(case.found.peak))):
-        if _stands_for(case, k, box):
-            best = _highest_there(case, k) if wide else k
-            if best == k or _stands_for(case, best, box):
-                return k
+        if _stands_for(case, k, box) and _others_stand(case, k, box):
+            return k
     return -1
 
 
 @part
-def _highest_there(case, k):
-    """The highest of the peaks that are the same as ``k``, itself where none is higher."""
-    peaks, best = case.found.peak, k
+def _others_stand(case, k, box):
+    """Whether those peaks that are the same as ``k``, and not lower, represent the box as well."""
+    peaks = case.found.peak
     for m in range(min(case.found.count[PEAKS], len(peaks))):
-        if peaks[m, 3] > peaks[best, 3] and same_place(case, peaks[k], peaks[m]):
-            best = m
-    return best
+        if m == k or peaks[m, 3] < peaks[k, 3] - TIE or not same_place(case, peaks[k], peaks[m]):
+            continue
+        if not _stands_for(case, m, box):
+            return False
+    return True
 
 
 @part

@@ -73,7 +73,7 @@ from situgraph.matching.views import (
     look,
 )
 
-FINE = 0.005  # half widths below which known peaks are not questioned, metres
+FINE = 0.005  # half widths below which no higher peak is looked for beside a known one, metres
 GUESSES = 3  # least squares from relaxed correspondences
 JOINED = 0.3  # half widths of a box put together of several, at most, metres
 
@@ -328,11 +328,10 @@ def explore(case, start):
             side, widest = 1, box[HU]
         if box[HV] > widest:
             side, widest = 2, box[HV]
-        wide = widest >= FINE
-        known = known_peak(case, box, wide)
+        known = known_peak(case, box)
         if known >= 0:
             spread(left, box)
-            if not wide or none_higher(case, known):
+            if widest < FINE or none_higher(case, known):
                 continue
         before = found.count[PEAKS]
         state = _witness(case, box, arm, at)
@@ -342,7 +341,7 @@ def explore(case, start):
             rise(case, at, climb(case, at))
         if known >= 0:
             continue
-        if found.count[PEAKS] > before and known_peak(case, box, wide) >= 0:
+        if found.count[PEAKS] > before and known_peak(case, box) >= 0:
             spread(left, box)
             continue
         if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
