@@ -22,15 +22,16 @@ ARRIVED = 1e-6  # metres and radians from the optimum
 SAME_PEAK = 1e-4  # metres along both axes, radians
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
-INSIDE = 1e-5  # metres from it, at which it is then held
+INSIDE = (0.0, 1e-5, 1e-3)  # metres from it, at which it is then held; 0: not held
 STIFF = 1e6  # times its weight
 
 
 @part
-def optimum(case, spot, at, held, out):
+def optimum(case, spot, at, inside, out):
     """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``spot``.
 
-    When ``held``, planes at a limit stay there: so it is slid along what ended a way.
+    Unless ``inside`` is 0, planes at a limit are held so far inside of it: it is slid along what
+    ended a way. A straight way leaves such a limit when it turns; farther inside it can be longer.
     """
     view = spot
     seen, plan, limits, tally = (
@@ -57,7 +58,7 @@ def optimum(case, spot, at, held, out):
                 fit, stop = state == FIT, limits.fit if state == FIT else limits.moved
                 if not fit and state != MOVED:
                     continue
-                stiff = held and stop - abs(view.offset[i]) < AT_LIMIT
+                stiff = inside > 0 and stop - abs(view.offset[i]) < AT_LIMIT
                 if fit or tally.sums[p, 0] == 0:
                     bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
                     weight = limits.angle_weight / tally.sums[p, 0 if fit else 3]
@@ -69,7 +70,7 @@ def optimum(case, spot, at, held, out):
                 off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
                 if stiff:
                     weight = limits.plane_weight * STIFF
-                    off -= math.copysign(stop - INSIDE, view.offset[i])
+                    off -= math.copysign(stop - inside, view.offset[i])
                 else:
                     weight = limits.plane_weight / tally.sums[p, 0]
                 turn = ny * ax - nx * ay
@@ -122,27 +123,27 @@ def climb(case, at):
 
     ``at`` (3,) becomes the peak, ``case.one`` its view; returns L there.
     """
-    height, held = evidence(case, case.one), False
+    height, held = evidence(case, case.one), 0
     goal, tried = scratch(3), scratch(3)
     for _ in range(ROUNDS):
-        optimum(case, case.one, at, held, goal)
+        optimum(case, case.one, at, INSIDE[held], goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
         arrives = feasible(case, case.two, tried)
         value = height
         if arrives or _last_feasible(case, at, goal, tried):
             value = evidence(case, case.two)
         if value <= height + 1e-12:
-            if arrives or held:
+            held = len(INSIDE) if arrives else held + 1
+            if held == len(INSIDE):
                 break
-            held = True
             continue
         height = value
         stays = _same(case)
         _part_way(tried, tried, 0.0, 0.0, at)
         copy_view(case.two, case.one)
-        if stays and arrives:
+        if stays and arrives and INSIDE[held] < INSIDE[-1]:
             break
-        held = not arrives
+        held = 0 if arrives or held else 1
     return height
 
 
@@ -209,7 +210,7 @@ def _raise_once(case, at, height, goal, tried, top):
         if state != MOVED and (state != FIT or (free and not strained)):
             continue
         view.state[i] = FIT if state == MOVED else MOVED
-        optimum(case, case.one, at, False, goal)
+        optimum(case, case.one, at, 0.0, goal)
         view.state[i] = state
         _part_way(goal, goal, 0.0, 0.0, tried)
         if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
@@ -231,7 +232,7 @@ def _raise_once(case, at, height, goal, tried, top):
 @part
 def _arrived(case, at, goal):
     """Whether the peak is the optimum of its correspondences: no limit stopped the climb to it."""
-    optimum(case, case.one, at, False, goal)
+    optimum(case, case.one, at, 0.0, goal)
     turn = abs(wrapped(goal[0] - at[0]))
     return max(turn, abs(goal[1] - at[1]), abs(goal[2] - at[2])) < ARRIVED
 

@@ -374,7 +374,7 @@ def _witness(case, box, arm, at):
             return -1
         if count == 0:
             return 0
-        optimum(case, case.one, at, False, at)
+        optimum(case, case.one, at, 0.0, at)
         if not strayed(box, at) and feasible(case, case.one, at):
             return 1
         loose /= 2

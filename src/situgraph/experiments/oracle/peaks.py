@@ -19,7 +19,7 @@ ROUNDS = 30
 LEAST_GAIN = 1e-3  # of L
 SMALLEST_STEP = 1e-6  # share of a step to the optimum below which it is not followed
 AT_LIMIT = 1e-4  # metres that a plane is from a limit when it may be what ends a way
-INSIDE = 1e-5  # metres from it, where it is then held
+INSIDE = (0.0, 1e-5, 1e-3)  # metres from it, where it is then held; the first: not held
 STIFF = 1e3  # its weight
 
 
@@ -28,23 +28,24 @@ def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ())
 
     A climb that comes beside a ``known`` peak ends there.
     """
-    best, height, slides = start, wall_evidence(problem, start), False
+    best, height, held = start, wall_evidence(problem, start), 0
     for _ in range(ROUNDS):
-        goal = optimum(problem, best, slides)
+        goal = optimum(problem, best, INSIDE[held])
         for there in known:
             if beside(problem, there.motion, goal):
                 return there
         found, arrives = _kept_feasible(problem, best, goal, near)
         value = wall_evidence(problem, found)
         if value <= height + 1e-12:
-            if arrives or slides:
+            held = len(INSIDE) if arrives else held + 1
+            if held == len(INSIDE):
                 break
-            slides = True
             continue
         stays = found.signature == best.signature
-        best, height, slides = found, value, not arrives
-        if stays and arrives:
+        if stays and arrives and INSIDE[held] < INSIDE[-1]:
+            best = found
             break
+        best, height, held = found, value, 0 if arrives or held else 1
     return best
 
 
@@ -90,14 +91,14 @@ def beside(problem: Problem, one: Motion, two: Motion) -> bool:
     return one.z == two.z and bool(apart <= c.same_distance / 2 and turned <= c.same_yaw / 2)
 
 
-def optimum(problem: Problem, held: View, slides: bool = False) -> Motion:
+def optimum(problem: Problem, held: View, inside: float = 0.0) -> Motion:
     """The placement of the largest L for fixed correspondences.
 
-    When it ``slides``, planes at a limit stay there.
+    Unless ``inside`` is 0, planes at a limit stay so far from it.
     """
     c, motion = problem.constants, held.motion
     mine, theirs = problem.mine, problem.theirs
-    pulls = _pulls(problem, held) + (_stiff(problem, held) if slides else [])
+    pulls = _pulls(problem, held) + (_stiff(problem, held, inside) if inside else [])
     r, p, q, angles, offsets, kept = np.array(pulls).T
     r, p, q = r.astype(int), p.astype(int), q.astype(int)
     yaw, point = least_squares(
@@ -135,7 +136,7 @@ def _pulls(problem: Problem, held: View) -> list[Pull]:
     ]
 
 
-def _stiff(problem: Problem, held: View) -> list[Pull]:
+def _stiff(problem: Problem, held: View, inside: float) -> list[Pull]:
     """The planes at a limit, which stay there."""
     c, mine, theirs = problem.constants, problem.mine.first, problem.theirs.first
     limits = {FIT: c.fit_limit, MOVED: c.moved_limit}
@@ -143,7 +144,7 @@ def _stiff(problem: Problem, held: View) -> list[Pull]:
     for p in held.pairs:
         for q in p.planes:
             if q.j is not None and limits[q.state] - abs(q.offset) < AT_LIMIT:
-                sought = math.copysign(limits[q.state] - INSIDE, q.offset)
+                sought = math.copysign(limits[q.state] - inside, q.offset)
                 pair = (p.r, int(mine[p.r]) + q.i, int(theirs[p.a]) + q.j)
                 pulls.append((*pair, 0.0, STIFF, sought))
     return pulls
