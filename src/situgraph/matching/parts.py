@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from llvmlite.binding import Linkage  # type: ignore[import-untyped]
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
@@ -20,12 +21,47 @@ from numba.core.untyped_passes import InlineClosureLikes
 class PartLibrary(JITCodeLibrary):
     """A library to link, never to run: no optimisation, no machine code, no environment."""
 
-    def _optimize_final_module(self) -> None:
-        pass
+    _shared_module: Any
 
-    def _finalize_final_module(self) -> None:
+    def _optimize_functions(self, module: Any) -> None:
+        """Not here either; what is linked must agree on how data lies in memory."""
+        module.data_layout = self._codegen._data_layout
+
+    def finalize(self) -> None:
+        """Nothing is linked yet: else what is deep in the tree would be copied at every level."""
+        self._raise_if_finalized()
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
         self._finalize_dynamic_globals()
         self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """The part and all that it calls, each once."""
+        if self._shared_module is None:
+            self._shared_module = module = self._own_module()
+            for library in self._called():
+                part = isinstance(library, PartLibrary)
+                other = library._own_module() if part else library._get_module_for_linking()
+                module.link_in(other, preserve=True)
+        return self._shared_module
+
+    def _own_module(self) -> Any:
+        """A copy of the part without what it calls, that may be linked several times."""
+        module = self._final_module.clone()
+        for function in module.functions:
+            if not function.is_declaration and function.linkage == Linkage.external:
+                function.linkage = Linkage.linkonce_odr
+        return module
+
+    def _called(self) -> list[Any]:
+        """The libraries it calls, those that they call, and so on."""
+        found = dict.fromkeys(self._linking_libraries)
+        for library in (waiting := list(found)):
+            if isinstance(library, PartLibrary):
+                more = [one for one in library._linking_libraries if one not in found]
+                found.update(dict.fromkeys(more))
+                waiting += dict.fromkeys(more)
+        return waiting
 
     def get_pointer_to_function(self, name: str) -> int:
         """No address: no machine code was emitted."""
