@@ -16,6 +16,7 @@ from situgraph.matching.tables import FIT, MOVED, PEAKS
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
 ROUNDS = 30
+LEAST_REST = 1e-3  # of what a plane says that others say as well, if it is let go by leverage
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 ARRIVED = 1e-6  # metres and radians from the optimum
@@ -33,62 +34,17 @@ def optimum(case, spot, at, inside, out):
     Unless ``inside`` is 0, planes at a limit are held so far inside of it: it is slid along what
     ended a way. A straight way leaves such a limit when it turns; farther inside it can be longer.
     """
-    view = spot
-    seen, plan, limits, tally = (
-        case.seen,
-        case.plan,
-        case.limits,
-        case.tally,
-    )
     tally_planes(case, spot)
     yaw, x, y = at[0], at[1], at[2]
-    g = scratch(3)
+    system, step = scratch(9), scratch(3)
     for _ in range(STEPS):
-        c, s = math.cos(yaw), math.sin(yaw)
-        h00 = h01 = h02 = h11 = h12 = h22 = 0.0
-        for k in range(3):
-            g[k] = 0.0
-        for r in range(len(view.room)):
-            if view.room[r] < 0:
-                continue
-            cx, cy = seen.center[r, 0], seen.center[r, 1]
-            ax, ay = c * cx - s * cy, s * cx + c * cy
-            for i in range(seen.first[r], seen.first[r + 1]):
-                state, p, j = view.state[i], seen.plane[i], view.row[i]
-                fit, stop = state == FIT, limits.fit if state == FIT else limits.moved
-                if not fit and state != MOVED:
-                    continue
-                stiff = inside > 0 and stop - abs(view.offset[i]) < AT_LIMIT
-                if fit or tally.sums[p, 0] == 0:
-                    bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
-                    weight = limits.angle_weight / tally.sums[p, 0 if fit else 3]
-                    h00 += weight
-                    g[0] += weight * bend
-                if not (fit or stiff):
-                    continue
-                nx, ny = plan.row[j, 0], plan.row[j, 1]
-                off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
-                if stiff:
-                    weight = limits.plane_weight * STIFF
-                    off -= math.copysign(stop - inside, view.offset[i])
-                else:
-                    weight = limits.plane_weight / tally.sums[p, 0]
-                turn = ny * ax - nx * ay
-                h00 += weight * turn * turn
-                h01 += weight * turn * nx
-                h02 += weight * turn * ny
-                h11 += weight * nx * nx
-                h12 += weight * nx * ny
-                h22 += weight * ny * ny
-                g[0] -= weight * turn * off
-                g[1] -= weight * nx * off
-                g[2] -= weight * ny * off
-        if not _solve(h00, h01, h02, h11, h12, h22, g):
+        _pull(case, spot, yaw, x, y, inside, system)
+        if not _solve(system, system[6], system[7], system[8], step):
             break
-        yaw -= g[0]
-        x -= g[1]
-        y -= g[2]
-        if abs(g[0]) + abs(g[1]) + abs(g[2]) < 1e-12:
+        yaw -= step[0]
+        x -= step[1]
+        y -= step[2]
+        if abs(step[0]) + abs(step[1]) + abs(step[2]) < 1e-12:
             break
     out[0] = wrapped(yaw)
     out[1] = x
@@ -96,16 +52,63 @@ def optimum(case, spot, at, inside, out):
 
 
 @part
-def _solve(a, b, c, d, e, f, g):
-    """Solve the symmetric system (upper half given) in place of ``g``; False when singular."""
+def _pull(case, view, yaw, x, y, inside, system):
+    """How the planes pull at a placement: the symmetric matrix (upper half), then the slope (3).
+
+    Of half of what is subtracted from L, along (yaw, x, y).
+    """
+    seen, plan, limits, tally = case.seen, case.plan, case.limits, case.tally
+    c, s = math.cos(yaw), math.sin(yaw)
+    for k in range(9):
+        system[k] = 0.0
+    for r in range(len(view.room)):
+        if view.room[r] < 0:
+            continue
+        cx, cy = seen.center[r, 0], seen.center[r, 1]
+        ax, ay = c * cx - s * cy, s * cx + c * cy
+        for i in range(seen.first[r], seen.first[r + 1]):
+            state, p, j = view.state[i], seen.plane[i], view.row[i]
+            fit, stop = state == FIT, limits.fit if state == FIT else limits.moved
+            if not fit and state != MOVED:
+                continue
+            stiff = inside > 0 and stop - abs(view.offset[i]) < AT_LIMIT
+            if fit or tally.sums[p, 0] == 0:
+                bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
+                weight = limits.angle_weight / tally.sums[p, 0 if fit else 3]
+                system[0] += weight
+                system[6] += weight * bend
+            if not (fit or stiff):
+                continue
+            nx, ny = plan.row[j, 0], plan.row[j, 1]
+            off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
+            if stiff:
+                weight = limits.plane_weight * STIFF
+                off -= math.copysign(stop - inside, view.offset[i])
+            else:
+                weight = limits.plane_weight / tally.sums[p, 0]
+            turn = ny * ax - nx * ay
+            system[0] += weight * turn * turn
+            system[1] += weight * turn * nx
+            system[2] += weight * turn * ny
+            system[3] += weight * nx * nx
+            system[4] += weight * nx * ny
+            system[5] += weight * ny * ny
+            system[6] -= weight * turn * off
+            system[7] -= weight * nx * off
+            system[8] -= weight * ny * off
+
+
+@part
+def _solve(h, g0, g1, g2, out):
+    """Solve the symmetric system ``h`` (upper half) for ``g``; False when singular."""
+    a, b, c, d, e, f = h[0], h[1], h[2], h[3], h[4], h[5]
     m0, m1, m2 = d * f - e * e, c * e - b * f, b * e - c * d
     det = a * m0 + b * m1 + c * m2
     if not det > 1e-12 * abs(a * d * f):
         return False
-    g0, g1, g2 = g[0], g[1], g[2]
-    g[0] = (m0 * g0 + m1 * g1 + m2 * g2) / det
-    g[1] = (m1 * g0 + (a * f - c * c) * g1 + (b * c - a * e) * g2) / det
-    g[2] = (m2 * g0 + (b * c - a * e) * g1 + (a * d - b * b) * g2) / det
+    out[0] = (m0 * g0 + m1 * g1 + m2 * g2) / det
+    out[1] = (m1 * g0 + (a * f - c * c) * g1 + (b * c - a * e) * g2) / det
+    out[2] = (m2 * g0 + (b * c - a * e) * g1 + (a * d - b * b) * g2) / det
     return True
 
 
@@ -201,32 +204,51 @@ def rise(case, at, height):
 @part
 def _raise_once(case, at, height, goal, tried, top):
     """Note the higher peaks that one plane leads to; returns the largest L, reached at ``top``."""
-    view, limits, best = case.one, case.limits, height
+    view, seen, best = case.one, case.seen, height
     free = _arrived(case, at, goal)
-    # Letting a plane go gains at most what all planes that fit pay for their residuals.
-    strained = _strain(case) > limits.fit_peak - limits.moved_base - _most_spared(case)
-    for i in range(len(view.state)):
-        state = view.state[i]
-        if state != MOVED and (state != FIT or (free and not strained)):
+    system, margin, step = scratch(9), scratch(3), scratch(3)
+    _pull(case, view, at[0], at[1], at[2], 0.0, system)
+    _measure_margins(case, at, margin)
+    spared = _most_spared(case)
+    for r in range(len(view.room)):
+        if view.room[r] < 0:
             continue
-        view.state[i] = FIT if state == MOVED else MOVED
-        optimum(case, case.one, at, 0.0, goal)
-        view.state[i] = state
-        _part_way(goal, goal, 0.0, 0.0, tried)
-        if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
-            continue
-        # From where a limit stopped the climb, another way may lead on.
-        if free and _same(case):
-            continue
-        copy_view(case.two, case.one)
-        value = climb(case, tried)
-        if value > height + LEAST_GAIN:
-            add_peak(case, tried, value)
-            if value > best:
-                best = value
-                _part_way(tried, tried, 0.0, 0.0, top)
-        feasible(case, case.one, at)
+        for i in range(seen.first[r], seen.first[r + 1]):
+            state = view.state[i]
+            if state != MOVED and state != FIT:
+                continue
+            if state == FIT and free and _stays_low(case, at, r, i, system, margin, spared, step):
+                continue
+            value = _changed(case, at, i, free, goal, tried)
+            if value > height + LEAST_GAIN:
+                add_peak(case, tried, value)
+                if value > best:
+                    best = value
+                    _part_way(tried, tried, 0.0, 0.0, top)
+            tally_planes(case, view)
     return best
+
+
+@part
+def _changed(case, at, i, free, goal, tried):
+    """L of the peak, at ``tried``, that letting plane ``i`` go leads to, or holding it again.
+
+    No L is as low as when it leads nowhere. ``case.one`` is that of ``at`` before and after.
+    """
+    view, state = case.one, case.one.state[i]
+    view.state[i] = FIT if state == MOVED else MOVED
+    optimum(case, case.one, at, 0.0, goal)
+    view.state[i] = state
+    _part_way(goal, goal, 0.0, 0.0, tried)
+    if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
+        return -math.inf
+    # From where a limit stopped the climb, another way may lead on.
+    if free and _same(case):
+        return -math.inf
+    copy_view(case.two, case.one)
+    value = climb(case, tried)
+    feasible(case, case.one, at)
+    return value
 
 
 @part
@@ -248,15 +270,59 @@ def _most_spared(case):
 
 
 @part
-def _strain(case):
-    """What the planes that fit pay for their residuals, at most."""
-    view, limits = case.one, case.limits
-    total = 0.0
-    for i in range(len(view.state)):
-        if view.state[i] == FIT:
-            total += view.offset[i] * view.offset[i] * limits.plane_weight
-            total += view.bend[i] * view.bend[i] * limits.angle_weight
-    return total
+def _measure_margins(case, at, margin):
+    """The least change of an offset, and of an angle, by which a plane fits, is moved or missing.
+
+    Third the longest lever arm. Of rooms that are explained, with the planes of their prior rooms.
+    """
+    view, seen, plan, limits = case.one, case.seen, case.plan, case.limits
+    margin[0], margin[1], margin[2] = math.inf, math.inf, 0.0
+    c, s = math.cos(at[0]), math.sin(at[0])
+    for r in range(len(view.room)):
+        a = view.room[r]
+        if a < 0:
+            continue
+        cx, cy = seen.center[r, 0], seen.center[r, 1]
+        x, y = at[1] + c * cx - s * cy, at[2] + s * cx + c * cy
+        margin[2] = max(margin[2], math.hypot(cx, cy))
+        for i in range(seen.first[r], seen.first[r + 1]):
+            for j in range(plan.first[a], plan.first[a + 1]):
+                bend = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
+                margin[1] = min(margin[1], abs(bend - limits.angle))
+                if bend > limits.angle:
+                    continue
+                reach = plan.row[j, 0] * x + plan.row[j, 1] * y + plan.row[j, 2]
+                off = abs(seen.distance[i] - reach)
+                margin[0] = min(margin[0], abs(off - limits.fit), abs(off - limits.moved))
+
+
+@part
+def _stays_low(case, at, r, i, system, margin, spared, step):
+    """Whether letting plane ``i`` go leads no higher than the peak, all other planes as they are.
+
+    What is spared follows from its leverage; it leads elsewhere if another plane changes its state.
+    """
+    view, seen, plan, limits, tally = case.one, case.seen, case.plan, case.limits, case.tally
+    if tally.sums[seen.plane[i], 0] != 1:
+        return False
+    j = view.row[i]
+    c, s = math.cos(at[0]), math.sin(at[0])
+    cx, cy = seen.center[r, 0], seen.center[r, 1]
+    nx, ny = plan.row[j, 0], plan.row[j, 1]
+    turn = ny * (c * cx - s * cy) - nx * (s * cx + c * cy)
+    if not _solve(system, turn, nx, ny, step):
+        return False
+    rest = 1.0 - limits.plane_weight * (turn * step[0] + nx * step[1] + ny * step[2])
+    if rest < LEAST_REST:
+        return False
+    off = view.offset[i]
+    gain = limits.plane_weight * off * off / rest
+    if gain > limits.fit_peak - limits.moved_base - spared:
+        return False
+    push = limits.plane_weight * abs(off) / rest
+    swing = push * abs(step[0])
+    shift = push * (abs(step[1]) + abs(step[2]))
+    return swing < margin[1] and shift + swing * margin[2] < margin[0]
 
 
 @part

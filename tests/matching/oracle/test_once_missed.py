@@ -49,3 +49,14 @@ def test_the_verdicts_are_the_same(number: int) -> None:
     found = compared(number)
     assert found.verdict == found.reported_verdict
     assert not found.unlike
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        1641,  # a limit ended a way that turns
+        2103,  # a plane let go, another is no longer missing
+    ],
+)
+def test_the_probabilities_are_the_same(number: int) -> None:
+    assert compared(number).agrees
