@@ -22,7 +22,8 @@ class Block:
 
     An array is declared with its sizes, numbers or names, as ``Annotated[Floats, "rooms", 2]``; it
     is all zeros to begin with. The rest is given by the names of the fields: numbers, arrays (None
-    for an empty one), records by their blocks. What is given lives as long as the block.
+    for an empty one), records by their blocks (None for one that is not read). What is given lives
+    as long as the block.
 
     Attributes:
         place: the address of the record.
@@ -46,7 +47,7 @@ class Block:
             if ndim == 0:
                 flat.append(value)
             elif ndim < 0:
-                flat.append(value.place)
+                flat.append(value.place if value else 0)
             elif value is None:
                 flat += (0,) * (1 + ndim)
             else:

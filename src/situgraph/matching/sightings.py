@@ -108,8 +108,8 @@ def nothing_claimed(t):
 
 
 @part
-def evidence_at(t, view, yaw, x, y, number, claim):
-    """Log ratio of the objects of an ``Evidence`` at a placement; nan without room for the links.
+def evidence_at(t, view, at, number, claim):
+    """Log ratio of the objects of an ``Evidence`` at yaw, x, y; nan without room for the links.
 
     ``view`` are the correspondences there, ``number`` counts placements from 1. Into ``claim``
     (n,) goes the prior object of each online one, -1 for none.
@@ -118,11 +118,11 @@ def evidence_at(t, view, yaw, x, y, number, claim):
     for r in range(len(view.room)):
         if view.room[r] >= 0:
             links.found[view.room[r]] = number
-    total = _link(t, view, yaw, x, y, number)
+    total = _link(t, view, at, number)
     if math.isnan(total):
         return total
     total += _assign(links)
-    total += shared_errors(t, view, yaw, x, y)
+    total += shared_errors(t, view, at)
     total += _missed(t, view, number)
     for o in range(len(claim)):
         link = links.claim[o]
@@ -134,19 +134,19 @@ def evidence_at(t, view, yaw, x, y, number, claim):
 
 
 @part
-def _link(t, view, yaw, x, y, number):
+def _link(t, view, at, number):
     """List the possible claims; the sum if nothing is claimed, nan when there is no room for them.
 
     Of the prior rooms, those that are matched have ``found`` equal to ``number``.
     """
     sighted, planned, rates, links = t.sighted, t.planned, t.rates, t.links
     n, most = len(sighted.category), len(links.item)
-    c, s = math.cos(yaw), math.sin(yaw)
+    c, s = math.cos(at[0]), math.sin(at[0])
     total, count = 0.0, 0
     for o in range(n):
         mine = sighted.category[o]
-        px = x + c * sighted.place[o, 0] - s * sighted.place[o, 1]
-        py = y + s * sighted.place[o, 0] + c * sighted.place[o, 1]
+        px = at[1] + c * sighted.place[o, 0] - s * sighted.place[o, 1]
+        py = at[2] + s * sighted.place[o, 0] + c * sighted.place[o, 1]
         begin, here, rest = count, False, rates.false[mine]
         links.second[o] = -1
         for e in range(sighted.room_first[o], sighted.room_first[o + 1]):

@@ -35,29 +35,20 @@ LINKS = 16  # an online object has to prior ones, to begin with
 
 
 class Sights(NamedTuple):
-    """Placements to look at; ``View``'s fields, a placement a row."""
+    """Placements to look at; ``View``'s fields, a placement a row, and what objects say there."""
 
     case: Case
     shifts: IntTable
     shift: Ints  # (k,)
     at: Table  # (k, 3) yaw, x, y of the mean room centre in the plan
-    room: Annotated[Ints, "k", "N"]
-    row: Annotated[Ints, "k", "P"]
-    state: Annotated[Ints, "k", "P"]
-    offset: Annotated[Floats, "k", "P"]
-    bend: Annotated[Floats, "k", "P"]
-
-
-class Weighing(NamedTuple):
-    """Placements to look at, and to weigh objects at."""
-
-    case: Case
-    shifts: IntTable
-    shift: Ints  # (k,)
-    at: Table  # (k, 3)
+    room: Annotated[Ints, "views", "N"]  # k views, or none where nobody asks
+    row: Annotated[Ints, "views", "P"]
+    state: Annotated[Ints, "views", "P"]
+    offset: Annotated[Floats, "views", "P"]
+    bend: Annotated[Floats, "views", "P"]
     evidence: Evidence
-    value: Annotated[Floats, "k"]
-    claim: Annotated[Ints, "k", "objects"]
+    value: Annotated[Floats, "weighed"]  # of k placements, or none
+    claim: Annotated[Ints, "weighed", "objects"]
 
 
 def views_at(tables: Tables, shifts: Ints, shift: Ints, at: Floats) -> View:
@@ -66,8 +57,9 @@ def views_at(tables: Tables, shifts: Ints, shift: Ints, at: Floats) -> View:
     Storeys are shifted by the rows ``shift`` (k,) of ``shifts``. Returns ``View``'s fields, a
     placement a row.
     """
-    block = Block(Sights, _sizes(tables, shifts, at), **_given(tables, shifts, shift, at))
-    look_all(block.place)
+    sizes = {"views": len(at), "weighed": 0, "objects": 0, "objects + 1": 1, "planned": 0}
+    nothing = dict.fromkeys((*Sighted._fields, "planned", "rates"))
+    block = _looked(tables, shifts, shift, at, sizes | {"links": 0}, nothing)
     return View(*map(block.array, View._fields))
 
 
@@ -84,38 +76,44 @@ def weigh(
 
     The prior object is -1 for none.
     """
-    objects, links = len(sighted.category), LINKS * len(sighted.category)
-    sizes = _sizes(tables, shifts, at) | {
+    objects = len(sighted.category)
+    sizes = {
+        "views": 0,
+        "weighed": len(at),
         "objects": objects,
         "objects + 1": objects + 1,
         "planned": len(planned.category),
+        "links": LINKS * objects,
     }
-    given = _given(tables, shifts, shift, at) | sighted._asdict()
+    given = {**sighted._asdict(), "planned": planned.slots, "rates": rates.slots}
     while True:
-        block = Block(
-            Weighing,
-            sizes | {"links": links},
-            planned=planned.slots,
-            rates=rates.slots,
-            **given,
-        )
-        weigh_all(block.place)
+        block = _looked(tables, shifts, shift, at, sizes, given)
         value: Floats = block.array("value")
         if not np.isnan(value).any():
             return value, block.array("claim")
-        links *= LINKS
+        sizes["links"] *= LINKS
 
 
-def _sizes(tables: Tables, shifts: Ints, at: Floats) -> dict[str, int]:
-    return tables.sizes(shifts.shape[1]) | {"k": len(at)}
-
-
-def _given(tables: Tables, shifts: Ints, shift: Ints, at: Floats) -> dict[str, Any]:
-    return tables.given(explaining(0, len(tables.seen.storey))) | {
-        "shifts": shifts,
-        "shift": np.ascontiguousarray(shift, dtype=np.int64),
-        "at": np.ascontiguousarray(at, dtype=np.float64),
-    }
+def _looked(
+    tables: Tables,
+    shifts: Ints,
+    shift: Ints,
+    at: Floats,
+    sizes: dict[str, int],
+    given: dict[str, Any],
+) -> Block:
+    """A ``Sights``, filled."""
+    block = Block(
+        Sights,
+        tables.sizes(shifts.shape[1]) | sizes,
+        shifts=shifts,
+        shift=np.ascontiguousarray(shift, dtype=np.int64),
+        at=np.ascontiguousarray(at, dtype=np.float64),
+        **tables.given(explaining(0, len(tables.seen.storey))),
+        **given,
+    )
+    look_all(block.place)
+    return block
 
 
 @entry
@@ -126,37 +124,26 @@ def look_all(place):
 
 @part
 def _look_all(t):
-    view = t.case.one
-    for k in range(len(t.shift)):
-        _look(t, k)
-        for r in range(len(view.room)):
-            t.room[k, r] = view.room[r]
-        for i in range(len(view.row)):
-            t.row[k, i] = view.row[i]
-            t.state[k, i] = view.state[i]
-            t.offset[k, i] = view.offset[i]
-            t.bend[k, i] = view.bend[i]
-
-
-@entry
-def weigh_all(place):
-    """Fill a ``Weighing``."""
-    _weigh_all(record_at(place, Weighing))
-
-
-@part
-def _weigh_all(t):
+    case, view = t.case, t.case.one
     nothing_claimed(t.evidence)
     for k in range(len(t.shift)):
-        _look(t, k)
-        at = t.at[k]
-        t.value[k] = evidence_at(t.evidence, t.case.one, at[0], at[1], at[2], k + 1, t.claim[k])
+        for u in range(len(case.task.storeys)):
+            case.task.storeys[u] = t.shifts[t.shift[k], u]
+        place = t.at[k]
+        look(case, view, place[0], place[1], place[2], 0.0, 0.0)
+        if len(t.room) > 0:
+            _keep(t, view, k)
+        if len(t.value) > 0:
+            t.value[k] = evidence_at(t.evidence, view, place, k + 1, t.claim[k])
 
 
 @part
-def _look(t, k):
-    """What is explained at placement ``k``, into ``case.one``."""
-    case, at = t.case, t.at[k]
-    for u in range(len(case.task.storeys)):
-        case.task.storeys[u] = t.shifts[t.shift[k], u]
-    look(case, case.one, at[0], at[1], at[2], 0.0, 0.0)
+def _keep(t, view, k):
+    """The correspondences of placement ``k``."""
+    for r in range(len(view.room)):
+        t.room[k, r] = view.room[r]
+    for i in range(len(view.row)):
+        t.row[k, i] = view.row[i]
+        t.state[k, i] = view.state[i]
+        t.offset[k, i] = view.offset[i]
+        t.bend[k, i] = view.bend[i]

@@ -30,12 +30,12 @@ class Walls(NamedTuple):
 
 
 @part
-def shared_errors(t, view, yaw, x, y):
+def shared_errors(t, view, at):
     """Ln of the density of the errors of an ``Evidence``'s sights, against independent ones."""
     total, walls = 0.0, t.walls
     if t.rates.shared == 0.0 or not _gather(t, view):
         return total
-    _measure(t, yaw, x, y)
+    _measure(t, at)
     for o in range(len(walls.wall)):
         if walls.wall[o] == o and walls.sums[o, 0] > 1.0:
             total += _together(t.rates, walls, o)
@@ -75,10 +75,10 @@ def _sight(links, o):
 
 
 @part
-def _measure(t, yaw, x, y):
+def _measure(t, at):
     """The errors of the sights, and their sums by wall."""
     sighted, planned, walls = t.sighted, t.planned, t.walls
-    c, s = math.cos(yaw), math.sin(yaw)
+    c, s = math.cos(at[0]), math.sin(at[0])
     for o in range(len(walls.wall)):
         for e in range(5):
             walls.sums[o, e] = 0.0
@@ -87,8 +87,8 @@ def _measure(t, yaw, x, y):
             continue
         root = first_of(walls.wall, o)
         walls.wall[o] = root
-        dx = x + c * sighted.place[o, 0] - s * sighted.place[o, 1] - planned.place[q, 0]
-        dy = y + s * sighted.place[o, 0] + c * sighted.place[o, 1] - planned.place[q, 1]
+        dx = at[1] + c * sighted.place[o, 0] - s * sighted.place[o, 1] - planned.place[q, 0]
+        dy = at[2] + s * sighted.place[o, 0] + c * sighted.place[o, 1] - planned.place[q, 1]
         square = dx * dx + dy * dy
         walls.off[o, 0], walls.off[o, 1] = dx, dy
         walls.bell[o] = _in_bell(t.rates, square)
