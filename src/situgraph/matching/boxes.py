@@ -14,7 +14,7 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import SLACK, Slack, give, may_explain, wrapped
-from situgraph.matching.lookup import find
+from situgraph.matching.lookup import Reach, find
 from situgraph.matching.pairing import add_option, pair_up
 from situgraph.matching.records import scratch
 
@@ -26,14 +26,24 @@ GAIN = 0.8  # a round that leaves more of the box is the last
 
 @part
 def slack_of(box, wx, wy):
-    """What may change inside the box for a room that lies at ``(wx, wy)`` from the anchor.
+    """What may change inside the box for a room at ``(wx, wy)``, turned, from the anchor."""
+    turn, bend, swing = box[TURN], 1 - math.cos(box[TURN]), math.sin(box[TURN])
+    return Slack(turn, box[UX], box[UY], box[HU], box[HV], wx, wy, bend, swing)
 
-    Turned.
-    """
-    turn = box[TURN]
-    return Slack(
-        turn, box[UX], box[UY], box[HU], box[HV], wx, wy, 1 - math.cos(turn), math.sin(turn)
-    )
+
+@part
+def reach_of(box):
+    """The placements of a box, for rooms to be looked up."""
+    yaw, turn, ax, ay, px, py = box[YAW], box[TURN], box[AX], box[AY], box[PX], box[PY]
+    c, s, bend, swing = math.cos(yaw), math.sin(yaw), 1 - math.cos(turn), math.sin(turn)
+    sweep = 2 * math.sin(turn / 2)
+    return Reach(yaw, turn, c, s, bend, swing, sweep, ax, ay, px, py, radius(box))
+
+
+@part
+def slack_at(box, at, wx, wy):
+    """``slack_of`` a box whose ``reach_of`` is known."""
+    return Slack(at.turn, box[UX], box[UY], box[HU], box[HV], wx, wy, at.bend, at.swing)
 
 
 @part
@@ -64,21 +74,18 @@ def move_anchor(box):
 
 
 @part
-def possible(case, box, r):
-    """Whether room ``r`` may be explained somewhere in the box."""
+def possible(case, box, at, r):
+    """Whether room ``r`` may be explained somewhere in the box, whose ``reach_of`` is ``at``."""
     seen, finder, task = case.seen, case.finder, case.task
     storey = task.storeys[seen.storey[r]]
     if storey < 0:
         return False
-    found = find(
-        case, r, storey, box[YAW], box[TURN], box[AX], box[AY], box[PX], box[PY], radius(box), False
-    )
+    found = find(case, r, storey, at, False)
     if found < 0:
         return True
-    c, s = math.cos(box[YAW]), math.sin(box[YAW])
     gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
-    wx, wy = c * gx - s * gy, s * gx + c * gy
-    slack = slack_of(box, wx, wy)
+    wx, wy = at.cos * gx - at.sin * gy, at.sin * gx + at.cos * gy
+    slack = slack_at(box, at, wx, wy)
     for k in range(found):
         a = finder.room[k]
         if may_be(case, r, a) and may_explain(
@@ -102,11 +109,11 @@ def shrink(case, box):
         case.spans,
         case.task,
     )
-    rooms = len(seen.storey)
+    rooms, at = len(seen.storey), reach_of(box)
     counted, lost = 0, 0.0
     for r in range(rooms):
         options.count[r] = 0
-        if _span(case, box, r):
+        if _span(case, box, at, r):
             counted += 1
         else:
             spans.low[0, r] = math.inf
@@ -222,7 +229,7 @@ def _enough_apart(case):
 
 
 @part
-def _span(case, box, r):
+def _span(case, box, at, r):
     """Where in the box ``r`` can be explained, as a hull on the three axes; False when nowhere."""
     seen, finder, options = case.seen, case.finder, case.options
     spans, task = case.spans, case.task
@@ -230,9 +237,7 @@ def _span(case, box, r):
     spans.wide[r] = False
     if storey < 0:
         return False
-    found = find(
-        case, r, storey, box[YAW], box[TURN], box[AX], box[AY], box[PX], box[PY], radius(box), False
-    )
+    found = find(case, r, storey, at, False)
     half = (box[TURN], box[HU], box[HV])
     if found < 0:
         spans.wide[r] = True
@@ -240,10 +245,9 @@ def _span(case, box, r):
         for side in range(3):
             spans.low[side, r], spans.high[side, r] = -half[side], half[side]
         return True
-    c, s = math.cos(box[YAW]), math.sin(box[YAW])
     gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
-    wx, wy = c * gx - s * gy, s * gx + c * gy
-    slack = slack_of(box, wx, wy)
+    wx, wy = at.cos * gx - at.sin * gy, at.sin * gx + at.cos * gy
+    slack = slack_at(box, at, wx, wy)
     x, y = box[PX] + wx, box[PY] + wy
     for side in range(3):
         spans.low[side, r], spans.high[side, r] = math.inf, -math.inf

@@ -9,6 +9,7 @@ planes, which any room with the same lines explains, however far along them).
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from situgraph.matching.compiled import part
 from situgraph.matching.corners import (
@@ -24,31 +25,51 @@ from situgraph.matching.explained import wrapped
 REACHED = 1e-6  # metres, for rounding
 
 
+class Reach(NamedTuple):
+    """Placements, as far as rooms are looked up for them.
+
+    They turn by ``yaw`` up to ``turn`` more or less, and take the point ``(ax, ay)`` of the map to
+    within ``spread`` of ``(px, py)``.
+    """
+
+    yaw: float
+    turn: float
+    cos: float  # of the yaw
+    sin: float
+    bend: float  # 1 - cos(turn)
+    swing: float  # sin(turn)
+    sweep: float  # 2 sin(turn / 2)
+    ax: float
+    ay: float
+    px: float
+    py: float
+    spread: float
+
+
 @part
-def find(case, r, storey, yaw, turn, ax, ay, px, py, spread, all_if_wide):
+def find(case, r, storey, at, all_if_wide):
     """Find rooms on ``storey`` that might explain ``r``; returns how many stand in ``finder.room``.
 
-    The placements turn by ``yaw`` up to ``turn`` more or less, and take the point ``(ax, ay)``
-    of the map to within ``spread`` of ``(px, py)``. Of a box too wide for the index all rooms
-    are returned, or -1 unless ``all_if_wide``.
+    Of placements ``at`` too wide for the index all rooms are returned, or -1 unless
+    ``all_if_wide``.
     """
     seen, plan, finder = case.seen, case.plan, case.finder
     finder.turn[0] += 1
-    c, s = math.cos(yaw), math.sin(yaw)
+    c, s, ax, ay, px, py = at.cos, at.sin, at.ax, at.ay, at.px, at.py
     if seen.flat[r]:
         ux, uy = seen.center[r, 0] - ax, seen.center[r, 1] - ay
-        slip = spread + 2 * math.sin(turn / 2) * math.sqrt(ux * ux + uy * uy)
+        slip = at.spread + at.sweep * math.sqrt(ux * ux + uy * uy)
         x, y = px + c * ux - s * uy, py + s * ux + c * uy
         if slip > FAR_REACH and not all_if_wide:
             return -1
-        return _by_line(case, r, storey, yaw, turn, x, y, slip)
+        return _by_line(case, r, storey, at.yaw, at.turn, x, y, slip)
     count = 0
     for k in range(seen.probe_first[r], seen.probe_first[r + 1]):
         ux, uy = seen.probe_arm[k, 0] - ax, seen.probe_arm[k, 1] - ay
         x, y = px + c * ux - s * uy, py + s * ux + c * uy
-        reach = seen.probe_reach[k] + spread
-        reach += 2 * math.sin(turn / 2) * math.sqrt(ux * ux + uy * uy)
-        sector = sector_of(seen.angle[seen.probe[k, 0]] + yaw)
+        reach = seen.probe_reach[k] + at.spread
+        reach += at.sweep * math.sqrt(ux * ux + uy * uy)
+        sector = sector_of(seen.angle[seen.probe[k, 0]] + at.yaw)
         if reach <= NEAR_REACH:
             h = bucket(storey, sector, math.floor(x / NEAR_CELL), math.floor(y / NEAR_CELL))
             start, corner, tag = plan.near_start, plan.near_corner, plan.near_tag

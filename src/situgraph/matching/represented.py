@@ -13,7 +13,8 @@ from situgraph.matching.boxes import (
     YAW,
     centre,
     radius,
-    slack_of,
+    reach_of,
+    slack_at,
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
@@ -87,32 +88,20 @@ def _represented(case, box, at):
         case.finder,
         case.task,
     )
-    c, s = math.cos(box[YAW]), math.sin(box[YAW])
+    here = reach_of(box)
     ca, sa = math.cos(at[0]), math.sin(at[0])
     for r in range(len(seen.storey)):
         storey = task.storeys[seen.storey[r]]
         if storey < 0:
             continue
-        found = find(
-            case,
-            r,
-            storey,
-            box[YAW],
-            box[TURN],
-            box[AX],
-            box[AY],
-            box[PX],
-            box[PY],
-            radius(box),
-            False,
-        )
+        found = find(case, r, storey, here, False)
         if found < 0:
             return False
         cx, cy = seen.center[r, 0], seen.center[r, 1]
         gx, gy = cx - box[AX], cy - box[AY]
-        wx, wy = c * gx - s * gy, s * gx + c * gy
+        wx, wy = here.cos * gx - here.sin * gy, here.sin * gx + here.cos * gy
         x, y = box[PX] + wx, box[PY] + wy
-        slack = slack_of(box, wx, wy)
+        slack = slack_at(box, here, wx, wy)
         tx, ty = at[1] + ca * cx - sa * cy, at[2] + sa * cx + ca * cy
         for k in range(found):
             a = finder.room[k]

@@ -21,6 +21,7 @@ from situgraph.matching.boxes import (
     narrow,
     possible,
     radius,
+    reach_of,
     slack_of,
     squeeze,
 )
@@ -231,9 +232,9 @@ def _exhausted(case):
 @part
 def _partners(case, box, g):
     """Whether the other rooms of group ``g`` may be explained somewhere in the box."""
-    groups = case.groups
+    groups, at = case.groups, reach_of(box)
     for k in range(groups.first[g] + 1, groups.first[g + 1]):
-        if not possible(case, box, groups.member[k]):
+        if not possible(case, box, at, groups.member[k]):
             return False
     return True
 

@@ -12,7 +12,7 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import Slack, explain, wrapped
-from situgraph.matching.lookup import find
+from situgraph.matching.lookup import Reach, find
 from situgraph.matching.pairing import add_option, pair_up
 from situgraph.matching.tables import FIT, MISSING, MOVED
 
@@ -32,15 +32,14 @@ def look(case, spot, yaw, x, y, turn, loose):
     finder, options = case.finder, case.options
     c, s = math.cos(yaw), math.sin(yaw)
     slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
+    at = Reach(yaw, 0.0, c, s, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, 1.5 * loose)
     for r in range(len(seen.storey)):
         options.count[r] = 0
         if task.storeys[seen.storey[r]] < 0:
             continue
         cx, cy = seen.center[r, 0], seen.center[r, 1]
         rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
-        found = find(
-            case, r, task.storeys[seen.storey[r]], yaw, 0.0, 0.0, 0.0, x, y, 1.5 * loose, True
-        )
+        found = find(case, r, task.storeys[seen.storey[r]], at, True)
         for k in range(found):
             a = finder.room[k]
             if room_allowed(case, r, a):
