@@ -124,6 +124,14 @@ def test_a_room_that_names_no_plane_is_refused() -> None:
         match(broken, prior)
 
 
+@pytest.mark.parametrize("rooms", [(), (Room("a", (0.0, 0.0, 1.4), ()),)])
+def test_a_plan_without_walls_holds_nobody(rooms: tuple[Room, ...]) -> None:
+    result = match(six_rooms(), SceneGraph(rooms=rooms))
+    assert result.verdict == "none"
+    assert result.probability_outside == 1.0
+    assert result.to_dict()["solutions"] == []
+
+
 def test_updates_are_matches_from_scratch() -> None:
     prior = building(RECTANGLES)
     online = transformed(prior, MOTION)

@@ -140,12 +140,12 @@ def cells_of(center: Floats) -> tuple[Ints, Floats]:
 
 def _area(prior: SceneGraph, heights: Floats, margin: float) -> float:
     """Where a robot may be: the bounding rectangles of the storeys' room centres, grown."""
-    centers = np.array([r.center[:2] for r in prior.rooms]).reshape(-1, 2)
+    centers = np.array([x for r in prior.rooms for x in r.center]).reshape(-1, 3)[:, :2]
     total = 0.0
     for height in np.unique(heights):
         low, high = np.min(c := centers[heights == height], axis=0), np.max(c, axis=0)
         total += float(np.prod(high - low + 2 * margin))
-    return total
+    return total or (2 * margin) ** 2
 
 
 def _lines(row: Floats, room: Ints, storey: Ints, storeys: int) -> tuple[Floats | Ints, ...]:

@@ -57,8 +57,8 @@ def distinct(peaks, distance, yaw, height):
 def log_outside(alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfig) -> float:
     """Ln W of 'not in this plan': another building is made of similar rooms, wall to wall."""
     gain = config.clutter_length / (2 * config.plane_offset_tolerance)
-    shapes = zip(alike.tolist(), seen.shape.tolist())
-    rooms = sum(math.log1p(k / prior_rooms * gain**shape) for k, shape in shapes if shape > 0)
+    shapes, most = zip(alike.tolist(), seen.shape.tolist()), max(prior_rooms, 1)
+    rooms = sum(math.log1p(k / most * gain**shape) for k, shape in shapes if shape > 0)
     return (
         math.log(config.outside_prior)
         + rooms

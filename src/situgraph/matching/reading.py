@@ -87,7 +87,7 @@ def read_rooms(graph: SceneGraph, tilt: float) -> Rooms:
     rows = [named[r] for r in kept]
     numbers = [x for p in graph.planes for x in (*p.normal, p.offset)]
     return Rooms(
-        np.array([graph.rooms[r].center for r in kept], dtype=np.float64).reshape(-1, 3),
+        np.array([x for r in kept for x in graph.rooms[r].center], dtype=np.float64).reshape(-1, 3),
         np.array(numbers, dtype=np.float64).reshape(-1, 4),
         np.array(kept, dtype=np.int64),
         np.array([0, *accumulate(map(len, rows))], dtype=np.int64),
