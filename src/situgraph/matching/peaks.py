@@ -133,8 +133,11 @@ def climb(case, at):
         _part_way(goal, goal, 0.0, 0.0, tried)
         arrives = feasible(case, case.two, tried)
         value = height
-        if arrives or _last_feasible(case, at, goal, tried):
+        if arrives or _last_feasible(case, at, goal, False, tried):
             value = evidence(case, case.two)
+        # L falls where a plane ceases to fit: that ends the way as well.
+        if arrives and value <= height and _last_feasible(case, at, goal, True, tried):
+            arrives, value = False, evidence(case, case.two)
         if value <= height + 1e-12:
             held = len(INSIDE) if arrives else held + 1
             if held == len(INSIDE):
@@ -237,10 +240,15 @@ def _changed(case, at, i, free, goal, tried):
     """
     view, state = case.one, case.one.state[i]
     view.state[i] = FIT if state == MOVED else MOVED
-    optimum(case, case.one, at, 0.0, goal)
+    arrives = False
+    for held in range(2):
+        if not arrives:
+            optimum(case, case.one, at, INSIDE[held], goal)
+            _part_way(goal, goal, 0.0, 0.0, tried)
+            arrives = feasible(case, case.two, tried)
+            arrives = arrives and (state == FIT or case.two.state[i] == FIT)
     view.state[i] = state
-    _part_way(goal, goal, 0.0, 0.0, tried)
-    if not feasible(case, case.two, tried) and not _last_feasible(case, at, goal, tried):
+    if not arrives and not _last_feasible(case, at, goal, False, tried):
         return -math.inf
     # From where a limit stopped the climb, another way may lead on.
     if free and _same(case):
@@ -326,14 +334,17 @@ def _stays_low(case, at, r, i, system, margin, spared, step):
 
 
 @part
-def _last_feasible(case, at, goal, tried):
-    """Into ``tried`` the last feasible placement found by bisection on the way to ``goal``."""
+def _last_feasible(case, at, goal, alike, tried):
+    """Into ``tried`` the last feasible placement found by bisection on the way to ``goal``.
+
+    When ``alike``, the last at which all correspondences are those in ``case.one``.
+    """
     low, high, last = 0.0, 1.0, 0.0
     turn = wrapped(goal[0] - at[0])
     while high - low > SMALLEST_STEP:
         share = (low + high) / 2
         _part_way(at, goal, turn, share, tried)
-        if feasible(case, case.two, tried):
+        if feasible(case, case.two, tried) and (not alike or _same(case)):
             low = last = share
         else:
             high = share

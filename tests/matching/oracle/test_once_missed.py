@@ -54,6 +54,8 @@ def test_the_verdicts_are_the_same(number: int) -> None:
 @pytest.mark.parametrize(
     "number",
     [
+        432,  # a plane that is held fits at its limit only
+        565,  # L is largest where a plane still fits
         1641,  # a limit ended a way that turns
         2103,  # a plane let go, another is no longer missing
     ],

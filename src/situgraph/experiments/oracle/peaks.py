@@ -10,7 +10,15 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 
-from situgraph.experiments.oracle.explained import FIT, MISSING, MOVED, Motion, View, view
+from situgraph.experiments.oracle.explained import (
+    FIT,
+    MISSING,
+    MOVED,
+    Motion,
+    View,
+    fitting,
+    view,
+)
 from situgraph.experiments.oracle.likelihood import wall_evidence
 from situgraph.experiments.oracle.loops import least_squares, wrapped
 from situgraph.experiments.oracle.problem import Flags, Problem
@@ -36,6 +44,10 @@ def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ())
                 return there
         found, arrives = _kept_feasible(problem, best, goal, near)
         value = wall_evidence(problem, found)
+        if arrives and value <= height:
+            # L falls where a plane ceases to fit: that ends the way as well.
+            found, arrives = _last_feasible(problem, best, goal, near, best.signature), False
+            value = wall_evidence(problem, found)
         if value <= height + 1e-12:
             held = len(INSIDE) if arrives else held + 1
             if held == len(INSIDE):
@@ -59,12 +71,25 @@ def highest(problem: Problem, top: View, near: Flags) -> View:
     while better:
         better = False
         for held in _changed(best):
-            start, _ = _kept_feasible(problem, best, optimum(problem, held), near)
-            found = peak(problem, start, near)
+            found = peak(problem, _towards(problem, best, held, near), near)
             value = wall_evidence(problem, found)
             if value > height + LEAST_GAIN:
                 best, height, better = found, value, True
     return best
+
+
+def _towards(problem: Problem, start: View, held: View, near: Flags) -> View:
+    """Where the way to the optimum of other correspondences leads, on which they hold if they can.
+
+    A plane that is held and does not fit there is held at the limit.
+    """
+    fits = {(p.r, q.i) for p in held.pairs for q in p.planes if q.state == FIT}
+    fits -= {(p.r, q.i) for p in start.pairs for q in p.planes if q.state == FIT}
+    for inside in INSIDE[:2]:
+        found, arrives = _kept_feasible(problem, start, optimum(problem, held, inside), near)
+        if arrives and fits <= {(r, i) for r, _, i, _ in fitting(found)}:
+            break
+    return found
 
 
 def _changed(held: View) -> Iterator[View]:
@@ -155,14 +180,21 @@ def _kept_feasible(problem: Problem, start: View, goal: Motion, near: Flags) -> 
     reached = view(problem, goal, near)
     if reached.feasible:
         return reached, True
+    return _last_feasible(problem, start, goal, near, None), False
+
+
+def _last_feasible(
+    problem: Problem, start: View, goal: Motion, near: Flags, alike: tuple[object, ...] | None
+) -> View:
+    """The last feasible placement on the straight way, if given with these correspondences."""
     low, high, best = 0.0, 1.0, start
     turn = wrapped(goal.yaw - start.motion.yaw)
     while high - low > SMALLEST_STEP:
         share = (low + high) / 2
         point = start.motion.point + share * (goal.point - start.motion.point)
         tried = view(problem, Motion(start.motion.yaw + share * turn, point, goal.z), near)
-        if tried.feasible:
+        if tried.feasible and alike in (None, tried.signature):
             low, best = share, tried
         else:
             high = share
-    return best, False
+    return best
