@@ -11,105 +11,18 @@ import math
 
 from situgraph.matching.compiled import part
 from situgraph.matching.explained import wrapped
+from situgraph.matching.leverage import measure_margins, stays_low
+from situgraph.matching.optimum import optimum, pull_of
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import FIT, MOVED, PEAKS
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
 ROUNDS = 30
-LEAST_REST = 1e-3  # of what a plane says that others say as well, if it is let go by leverage
-STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 ARRIVED = 1e-6  # metres and radians from the optimum
 SAME_PEAK = 1e-4  # metres along both axes, radians
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
-AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
 INSIDE = (0.0, 1e-5, 1e-3)  # metres from it, at which it is then held; 0: not held
-STIFF = 1e6  # times its weight
-
-
-@part
-def optimum(case, spot, at, inside, out):
-    """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``spot``.
-
-    Unless ``inside`` is 0, planes at a limit are held so far inside of it: it is slid along what
-    ended a way. A straight way leaves such a limit when it turns; farther inside it can be longer.
-    """
-    tally_planes(case, spot)
-    yaw, x, y = at[0], at[1], at[2]
-    system, step = scratch(9), scratch(3)
-    for _ in range(STEPS):
-        _pull(case, spot, yaw, x, y, inside, system)
-        if not _solve(system, system[6], system[7], system[8], step):
-            break
-        yaw -= step[0]
-        x -= step[1]
-        y -= step[2]
-        if abs(step[0]) + abs(step[1]) + abs(step[2]) < 1e-12:
-            break
-    out[0] = wrapped(yaw)
-    out[1] = x
-    out[2] = y
-
-
-@part
-def _pull(case, view, yaw, x, y, inside, system):
-    """How the planes pull at a placement: the symmetric matrix (upper half), then the slope (3).
-
-    Of half of what is subtracted from L, along (yaw, x, y).
-    """
-    seen, plan, limits, tally = case.seen, case.plan, case.limits, case.tally
-    c, s = math.cos(yaw), math.sin(yaw)
-    for k in range(9):
-        system[k] = 0.0
-    for r in range(len(view.room)):
-        if view.room[r] < 0:
-            continue
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        ax, ay = c * cx - s * cy, s * cx + c * cy
-        for i in range(seen.first[r], seen.first[r + 1]):
-            state, p, j = view.state[i], seen.plane[i], view.row[i]
-            fit, stop = state == FIT, limits.fit if state == FIT else limits.moved
-            if not fit and state != MOVED:
-                continue
-            stiff = inside > 0 and stop - abs(view.offset[i]) < AT_LIMIT
-            if fit or tally.sums[p, 0] == 0:
-                bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
-                weight = limits.angle_weight / tally.sums[p, 0 if fit else 3]
-                system[0] += weight
-                system[6] += weight * bend
-            if not (fit or stiff):
-                continue
-            nx, ny = plan.row[j, 0], plan.row[j, 1]
-            off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
-            if stiff:
-                weight = limits.plane_weight * STIFF
-                off -= math.copysign(stop - inside, view.offset[i])
-            else:
-                weight = limits.plane_weight / tally.sums[p, 0]
-            turn = ny * ax - nx * ay
-            system[0] += weight * turn * turn
-            system[1] += weight * turn * nx
-            system[2] += weight * turn * ny
-            system[3] += weight * nx * nx
-            system[4] += weight * nx * ny
-            system[5] += weight * ny * ny
-            system[6] -= weight * turn * off
-            system[7] -= weight * nx * off
-            system[8] -= weight * ny * off
-
-
-@part
-def _solve(h, g0, g1, g2, out):
-    """Solve the symmetric system ``h`` (upper half) for ``g``; False when singular."""
-    a, b, c, d, e, f = h[0], h[1], h[2], h[3], h[4], h[5]
-    m0, m1, m2 = d * f - e * e, c * e - b * f, b * e - c * d
-    det = a * m0 + b * m1 + c * m2
-    if not det > 1e-12 * abs(a * d * f):
-        return False
-    out[0] = (m0 * g0 + m1 * g1 + m2 * g2) / det
-    out[1] = (m1 * g0 + (a * f - c * c) * g1 + (b * c - a * e) * g2) / det
-    out[2] = (m2 * g0 + (b * c - a * e) * g1 + (a * d - b * b) * g2) / det
-    return True
 
 
 @part
@@ -136,7 +49,7 @@ def climb(case, at):
         if arrives or _last_feasible(case, at, goal, False, tried):
             value = evidence(case, case.two)
         # L falls where a plane ceases to fit: that ends the way as well.
-        if arrives and value <= height and _last_feasible(case, at, goal, True, tried):
+        if arrives and value < height - LEAST_GAIN and _last_feasible(case, at, goal, True, tried):
             arrives, value = False, evidence(case, case.two)
         if value <= height + 1e-12:
             held = len(INSIDE) if arrives else held + 1
@@ -210,8 +123,8 @@ def _raise_once(case, at, height, goal, tried, top):
     view, seen, best = case.one, case.seen, height
     free = _arrived(case, at, goal)
     system, margin, step = scratch(9), scratch(3), scratch(3)
-    _pull(case, view, at[0], at[1], at[2], 0.0, system)
-    _measure_margins(case, at, margin)
+    pull_of(case, view, at[0], at[1], at[2], 0.0, system)
+    measure_margins(case, at, margin)
     spared = _most_spared(case)
     for r in range(len(view.room)):
         if view.room[r] < 0:
@@ -220,7 +133,7 @@ def _raise_once(case, at, height, goal, tried, top):
             state = view.state[i]
             if state != MOVED and state != FIT:
                 continue
-            if state == FIT and free and _stays_low(case, at, r, i, system, margin, spared, step):
+            if free and stays_low(case, at, r, i, system, margin, spared, step):
                 continue
             value = _changed(case, at, i, free, goal, tried)
             if value > height + LEAST_GAIN:
@@ -275,62 +188,6 @@ def _most_spared(case):
         if view.state[i] == MOVED:
             return max(0.0, math.log(limits.together + limits.alone))
     return 0.0
-
-
-@part
-def _measure_margins(case, at, margin):
-    """The least change of an offset, and of an angle, by which a plane fits, is moved or missing.
-
-    Third the longest lever arm. Of rooms that are explained, with the planes of their prior rooms.
-    """
-    view, seen, plan, limits = case.one, case.seen, case.plan, case.limits
-    margin[0], margin[1], margin[2] = math.inf, math.inf, 0.0
-    c, s = math.cos(at[0]), math.sin(at[0])
-    for r in range(len(view.room)):
-        a = view.room[r]
-        if a < 0:
-            continue
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        x, y = at[1] + c * cx - s * cy, at[2] + s * cx + c * cy
-        margin[2] = max(margin[2], math.hypot(cx, cy))
-        for i in range(seen.first[r], seen.first[r + 1]):
-            for j in range(plan.first[a], plan.first[a + 1]):
-                bend = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
-                margin[1] = min(margin[1], abs(bend - limits.angle))
-                if bend > limits.angle:
-                    continue
-                reach = plan.row[j, 0] * x + plan.row[j, 1] * y + plan.row[j, 2]
-                off = abs(seen.distance[i] - reach)
-                margin[0] = min(margin[0], abs(off - limits.fit), abs(off - limits.moved))
-
-
-@part
-def _stays_low(case, at, r, i, system, margin, spared, step):
-    """Whether letting plane ``i`` go leads no higher than the peak, all other planes as they are.
-
-    What is spared follows from its leverage; it leads elsewhere if another plane changes its state.
-    """
-    view, seen, plan, limits, tally = case.one, case.seen, case.plan, case.limits, case.tally
-    if tally.sums[seen.plane[i], 0] != 1:
-        return False
-    j = view.row[i]
-    c, s = math.cos(at[0]), math.sin(at[0])
-    cx, cy = seen.center[r, 0], seen.center[r, 1]
-    nx, ny = plan.row[j, 0], plan.row[j, 1]
-    turn = ny * (c * cx - s * cy) - nx * (s * cx + c * cy)
-    if not _solve(system, turn, nx, ny, step):
-        return False
-    rest = 1.0 - limits.plane_weight * (turn * step[0] + nx * step[1] + ny * step[2])
-    if rest < LEAST_REST:
-        return False
-    off = view.offset[i]
-    gain = limits.plane_weight * off * off / rest
-    if gain > limits.fit_peak - limits.moved_base - spared:
-        return False
-    push = limits.plane_weight * abs(off) / rest
-    swing = push * abs(step[0])
-    shift = push * (abs(step[1]) + abs(step[2]))
-    return swing < margin[1] and shift + swing * margin[2] < margin[0]
 
 
 @part

@@ -52,7 +52,8 @@ from situgraph.matching.hypotheses import (
     pairs_of,
     split,
 )
-from situgraph.matching.peaks import climb, feasible, optimum, rise
+from situgraph.matching.optimum import optimum
+from situgraph.matching.peaks import climb, feasible, rise
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import known_peak, none_higher

@@ -44,7 +44,7 @@ def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ())
                 return there
         found, arrives = _kept_feasible(problem, best, goal, near)
         value = wall_evidence(problem, found)
-        if arrives and value <= height:
+        if arrives and value < height - LEAST_GAIN:
             # L falls where a plane ceases to fit: that ends the way as well.
             found, arrives = _last_feasible(problem, best, goal, near, best.signature), False
             value = wall_evidence(problem, found)
