@@ -57,6 +57,32 @@ def test_a_room_of_fifty_planes_is_found(rooms: int) -> None:
     assert len(best.planes) >= len(seen.rooms[0].planes) - 2
 
 
+def test_a_small_room_is_looked_for_in_the_whole_of_a_hall_of_two_hundred_walls() -> None:
+    prior = comb(50)
+    room = prior.rooms[1]
+    seen = noisy(transformed(prior.replace(rooms=(room,)), MOTION))
+    config = MatchingConfig(rival_ratio=0.0)
+    result = match(seen, PlanIndex(prior, config), semantics="none")
+    assert result.complete
+    assert {s.rooms["room"] for s in result.solutions} == {"room", "hall"}
+
+
+def test_a_room_of_few_planes_with_many_counterparts_is_assigned_all_the_same() -> None:
+    faces = [((1.0, 0.0), 0.01 * k) for k in range(60)] + [((0.0, 1.0), 0.0), ((0.0, -1.0), 3.0)]
+    narrow = [faces[k] for k in (0, 9, 18, 27, 36, 45, 60, 61)]
+    seen, prior = (
+        SceneGraph(
+            rooms=(Room("hall", (1.0, 1.5, 1.3), tuple(f"h{k}" for k in range(len(made)))),),
+            planes=tuple(Plane(f"h{k}", (*f, 0.0), d) for k, (f, d) in enumerate(made)),
+        )
+        for made in (narrow, faces)
+    )
+    result = match(seen, PlanIndex(prior), semantics="none")
+    assert result.complete
+    assert result.best is not None
+    assert len(set(result.best.planes.values())) == len(narrow)
+
+
 @pytest.mark.parametrize("limit", ["max_boxes", "max_work"])
 def test_a_search_cut_short_is_never_unique_and_says_so(limit: str) -> None:
     prior = comb()

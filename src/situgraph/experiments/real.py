@@ -57,7 +57,7 @@ def run(options: RunOptions) -> ExperimentResult:
     trials = int(options.extra.get("trials", TRIALS[options.full]))
     tasks = [*se1_tasks(data, options.seed), *model_tasks(data, options.seed, trials)]
     result = run_experiment(
-        Experiment("real", tasks, solve, summarise, options.seed, revision=2), options
+        Experiment("real", tasks, solve, summarise, options.seed, revision=3), options
     )
     if options.folder is not None:
         draw(result, options.folder)

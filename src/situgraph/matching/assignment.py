@@ -13,6 +13,8 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.tables import WORK
 
+UNMET, OPEN, DONE = range(3)  # a counterpart in a search for a path
+
 
 @part
 def assign_planes(case, n, a):
@@ -25,6 +27,7 @@ def assign_planes(case, n, a):
     for j in range(columns):
         bench.owner[j] = -1
         bench.price[j] = 0.0
+        bench.done[j] = UNMET
     for i in range(n):  # noqa: SIM110
         if not _add_plane(case, i, plan.first[a], columns):
             return False
@@ -35,38 +38,40 @@ def assign_planes(case, n, a):
 def _add_plane(case, start, first, columns):
     """Find the cheapest path from plane ``start`` to a free counterpart, and exchange along it."""
     bench = case.bench
-    for j in range(columns):
-        bench.near[j] = math.inf
-        bench.done[j] = 0
-    i, length, end = start, 0.0, -1
+    i, length, end, met = start, 0.0, -1, 0
     bench.rent[start] = 0.0
     while end < 0:
         for k in range(bench.count[i]):
             row = bench.row[i, k]
             j = row - first if row >= 0 else columns - 1
+            if bench.done[j] == UNMET:
+                bench.done[j], bench.near[j] = OPEN, math.inf
+                bench.close[met] = j
+                met += 1
             reach = length - bench.value[i, k] - bench.rent[i] - bench.price[j]
-            if bench.done[j] == 0 and reach < bench.near[j]:
+            if bench.done[j] == OPEN and reach < bench.near[j]:
                 bench.near[j] = reach
                 bench.way[j] = i
                 bench.choice[j] = k
-        best = -1
-        for j in range(columns):
-            if bench.done[j] == 0 and (best < 0 or bench.near[j] < bench.near[best]):
-                best = j
-        case.found.count[WORK] += columns
-        if best < 0 or bench.near[best] == math.inf:
-            return False
+        best = _nearest(bench, met)
+        case.found.count[WORK] += met + bench.count[i]
+        if best < 0:
+            break
         length = bench.near[best]
-        bench.done[best] = 1
+        bench.done[best] = DONE
         if bench.owner[best] < 0:
             end = best
         else:
             i = bench.owner[best]
     bench.rent[start] += length
-    for j in range(columns):
-        if bench.done[j] == 1 and j != end:
+    for m in range(met):
+        j = bench.close[m]
+        if bench.done[j] == DONE and j != end and end >= 0:
             bench.rent[bench.owner[j]] += length - bench.near[j]
             bench.price[j] -= length - bench.near[j]
+        bench.done[j] = UNMET
+    if end < 0:
+        return False
     i = -1
     while i != start:
         i = bench.way[end]
@@ -76,3 +81,18 @@ def _add_plane(case, start, first, columns):
         bench.column[i] = end
         end = following
     return True
+
+
+@part
+def _nearest(bench, met):
+    """The counterpart nearest by of those met and not done, -1 when there is none."""
+    best = -1
+    for m in range(met):
+        j = bench.close[m]
+        if bench.done[j] == OPEN and (
+            best < 0
+            or bench.near[j] < bench.near[best]
+            or (bench.near[j] == bench.near[best] and j < best)
+        ):
+            best = j
+    return best

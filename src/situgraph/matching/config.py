@@ -205,7 +205,7 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
             "docs/matching.md",
             ge=1,
         ),
-    ] = 3_000_000_000
+    ] = 1_000_000_000
 
     def least_rooms(self, rooms: int) -> int:
         """K: how many of so many online rooms a candidate must explain."""

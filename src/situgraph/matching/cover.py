@@ -12,10 +12,10 @@ import math
 
 from situgraph.matching.boxes import AX, AY, HU, HV, PX, PY, SIDES, TURN, YAW, radius
 from situgraph.matching.compiled import part
-from situgraph.matching.explained import wrapped
 from situgraph.matching.hypotheses import copy_box, enclose
 from situgraph.matching.plain import CX, CY, HIGH, LOW, SIDE
 from situgraph.matching.records import scratch
+from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import HELD, LEFT
 
 JOINED = 0.3  # half widths of kept boxes put together, at most, metres

@@ -10,54 +10,19 @@ tests are strict.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from situgraph.matching.assignment import assign_planes
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import plane_allowed
 from situgraph.matching.plain import COS, SIN, may_plain, plain_pair
-from situgraph.matching.tables import CUT, FIT, MISSING, MOVED, WORK
+from situgraph.matching.slack import give, wrapped
+from situgraph.matching.strands import MANY, has_strands, list_rows
+from situgraph.matching.tables import FIT, MISSING, MOVED, WORK
 
 SLACK = 1e-9  # equality at a limit
-MOST_STEPS = 20_000  # of the search for the best assignment of one room's planes
+MOST_STEPS = 1_000  # of a search among the counterparts of all planes at once
 FORCE = 1e6  # by which a plane is kept from what does not fit
-MOST_TOGETHER = 8  # planes of a room that are assigned all at once
-
-
-class Slack(NamedTuple):
-    """What may change inside a box of placements, as one room sees it."""
-
-    turn: float  # half width of the yaw
-    ux: float  # the box's first axis
-    uy: float
-    hu: float  # half widths along the first and second axis
-    hv: float
-    wx: float  # from the box's anchor to the room's centre
-    wy: float
-    bend: float  # 1 - cos(turn)
-    swing: float  # sin(turn)
-
-
-@part
-def no_slack():
-    """The slack of a single placement."""
-    return Slack(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@part
-def wrapped(angle):
-    """An angle in [-pi, pi]."""
-    return angle - 2 * math.pi * round(angle / (2 * math.pi))
-
-
-@part
-def give(slack, nx, ny):
-    """By how much the offset of a plane with this normal can change inside the box."""
-    along = abs(nx * slack.ux + ny * slack.uy) * slack.hu
-    across = abs(ny * slack.ux - nx * slack.uy) * slack.hv
-    bend = abs(nx * slack.wx + ny * slack.wy) * slack.bend
-    swing = abs(ny * slack.wx - nx * slack.wy) * slack.swing
-    return along + across + bend + swing
+MOST_TOGETHER = 8  # planes of a room of which that is tried
 
 
 @part
@@ -65,7 +30,7 @@ def may_explain(case, r, a, yaw, x, y, slack):
     """A quick necessary test: counterparts and fitting planes are counted, not assigned."""
     seen, plan, limits = case.seen, case.plan, case.limits
     missing = 0
-    case.found.count[WORK] += plan.first[a + 1] - plan.first[a]
+    case.found.count[WORK] += min(plan.first[a + 1] - plan.first[a], MANY)
     if plain_pair(case, r, a):
         c, s = plan.plain[a, COS], plan.plain[a, SIN]
         along, across = give(slack, c, s), give(slack, -s, c)
@@ -74,9 +39,14 @@ def may_explain(case, r, a, yaw, x, y, slack):
     fits, crossed = 0, False
     begin, end = seen.first[r], seen.first[r + 1]
     allowed = 0 if seen.strict[r] else 1
+    sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
     for i in range(begin, end):
         near, fit = False, False
-        for j in range(plan.first[a], plan.first[a + 1]):
+        if sorted_:
+            turn, reach = limits.angle + slack.turn + SLACK, limits.moved + SLACK
+            rows = list_rows(case, a, i, yaw, x, y, turn, reach, slack)
+        for c in range(rows):
+            j = case.bench.close[c] if sorted_ else plan.first[a] + c
             bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
             if abs(bend) > limits.angle + slack.turn + SLACK:
                 continue
@@ -121,7 +91,12 @@ def _any_crossed(case, r, a, yaw, x, y, slack):
 @part
 def _may_fit(case, i, a, yaw, x, y, slack):
     seen, plan, limits = case.seen, case.plan, case.limits
-    for j in range(plan.first[a], plan.first[a + 1]):
+    sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
+    if sorted_:
+        turn, reach = limits.angle + slack.turn + SLACK, limits.fit + SLACK
+        rows = list_rows(case, a, i, yaw, x, y, turn, reach, slack)
+    for c in range(rows):
+        j = case.bench.close[c] if sorted_ else plan.first[a] + c
         bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
         if abs(bend) > limits.angle + slack.turn + SLACK:
             continue
@@ -160,23 +135,16 @@ def explain(case, r, a, yaw, x, y, slack):
         bench.pick[i] = 0
     if _holds(case, begin, n, strict):
         return _keep(case, n)
-    if n > MOST_TOGETHER:
-        if not (strict or _can_cross(case, begin, n)) or not assign_planes(case, n, a):
-            return -math.inf
-        # With residuals widened it only has to be possible.
-        if slack.turn > 0 or slack.hu > 0 or _holds(case, begin, n, strict):
-            return _keep(case, n)
-        return _best_held(case, begin, n, a)
-    score = _search(case, begin, n, strict)
-    if score < math.inf:
-        return score
-    if slack.turn == 0 and slack.hu == 0:
-        case.found.count[CUT] = 1
+    if n <= MOST_TOGETHER:
+        score = _search(case, begin, n, strict)
+        if score < math.inf:
+            return score
+    if not (strict or _can_cross(case, begin, n)) or not assign_planes(case, n, a):
         return -math.inf
-    # It may be explained; which counterparts are distinct was too much to find out.
-    for i in range(n):
-        bench.pick[i] = 0
-    return _keep(case, n)
+    # With residuals widened it only has to be possible.
+    if slack.turn > 0 or slack.hu > 0 or _holds(case, begin, n, strict):
+        return _keep(case, n)
+    return _best_held(case, begin, n, a)
 
 
 @part
@@ -184,7 +152,13 @@ def _counterparts(case, plane, i, a, yaw, x, y, slack, strict):
     """List the prior planes that plane ``i`` can correspond to, the likeliest first."""
     seen, plan, limits = case.seen, case.plan, case.limits
     count = 0
-    for j in range(plan.first[a], plan.first[a + 1]):
+    sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
+    if sorted_:
+        turn, reach = limits.angle + slack.turn + SLACK, limits.moved + SLACK
+        rows = list_rows(case, a, plane, yaw, x, y, turn, reach, slack)
+    case.found.count[WORK] += rows
+    for c in range(rows):
+        j = case.bench.close[c] if sorted_ else plan.first[a] + c
         bend = wrapped(seen.angle[plane] + yaw - plan.row[j, 3])
         if abs(bend) > limits.angle + slack.turn + SLACK:
             continue
@@ -322,7 +296,7 @@ def _keep(case, n):
 def _search(case, begin, n, strict):
     """Depth first over the counterparts, cut by the best sum that the rest can add.
 
-    Returns the best sum, -inf for none, inf when the steps did not do to find any.
+    Returns the best sum, -inf for none, inf when the steps did not do to find it.
     """
     bench = case.bench
     best, depth, total, missing = -math.inf, 0, 0.0, 0
@@ -351,7 +325,7 @@ def _search(case, begin, n, strict):
             best = total
             _keep(case, n)
     case.found.count[WORK] += MOST_STEPS
-    return best if best > -math.inf else math.inf
+    return math.inf
 
 
 @part

@@ -25,6 +25,7 @@ from situgraph.matching.plain import plain_rooms
 from situgraph.matching.reading import Rooms, limits_of, plan_lines, read_rooms, storey_heights
 from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of
 from situgraph.matching.sightings import Rates
+from situgraph.matching.strands import strands_of
 from situgraph.matching.tables import Floats, Ints, Limits, Plan
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -120,6 +121,7 @@ class PlanIndex:
             plain,
             *cells_of(self.center),
             widest,
+            *strands_of(first, row, distance),
         )
         return Plan(*made, Block.of(Plan, made))  # type: ignore[call-arg]
 

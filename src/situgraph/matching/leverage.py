@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.explained import wrapped
 from situgraph.matching.optimum import solve
+from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT
 
 LEAST_REST = 1e-3  # share of what a plane says that others say as well, to go by its leverage

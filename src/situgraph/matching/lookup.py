@@ -20,7 +20,8 @@ from situgraph.matching.corners import (
     bucket,
     sector_of,
 )
-from situgraph.matching.explained import wrapped
+from situgraph.matching.slack import wrapped
+from situgraph.matching.strands import first_from
 
 REACHED = 1e-6  # metres, for rounding
 
@@ -132,7 +133,7 @@ def _by_line(case, r, storey, yaw, turn, x, y, slip):
         nx, ny = math.cos(plan.bin_angle[b]), math.sin(plan.bin_angle[b])
         want = seen.distance[i] - nx * x - ny * y
         width = limits.fit + slip + spread * far + 1e-6
-        k = _first_from(plan.line_offset, plan.line_first[b], plan.line_first[b + 1], want - width)
+        k = first_from(plan.line_offset, plan.line_first[b], plan.line_first[b + 1], want - width)
         while k < plan.line_first[b + 1] and plan.line_offset[k] <= want + width:
             a = plan.line_room[k]
             if finder.last[a] != finder.turn[0]:
@@ -141,15 +142,3 @@ def _by_line(case, r, storey, yaw, turn, x, y, slip):
                 count += 1
             k += 1
     return count
-
-
-@part
-def _first_from(offset, begin, end, least):
-    """The first row from ``begin`` on whose offset, ascending, is not below ``least``."""
-    while begin < end:
-        middle = (begin + end) // 2
-        if offset[middle] < least:
-            begin = middle + 1
-        else:
-            end = middle
-    return begin

@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.explained import wrapped
 from situgraph.matching.records import scratch
+from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MOVED
 from situgraph.matching.views import tally_planes
 

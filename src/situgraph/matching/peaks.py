@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.explained import wrapped
 from situgraph.matching.leverage import measure_margins, stays_low
 from situgraph.matching.optimum import optimum, pull_of
 from situgraph.matching.records import scratch
+from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MOVED, PEAKS
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from situgraph.matching.compiled import entry
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.explained import wrapped
+from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import Floats, Ints, Seen
 
 Verdict = Literal["unique", "ambiguous", "none"]

@@ -18,14 +18,17 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import SLACK, give, may_explain, wrapped
+from situgraph.matching.explained import SLACK, may_explain
 from situgraph.matching.lookup import find
 from situgraph.matching.peaks import same_place
 from situgraph.matching.records import scratch
-from situgraph.matching.tables import PEAKS
+from situgraph.matching.slack import give, wrapped
+from situgraph.matching.strands import has_strands, list_rows
+from situgraph.matching.tables import PEAKS, WORK
 
 TIE = 1e-6  # of L, which rounding may decide
 NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
+PEAKS_A_COMPARISON = 4  # that are passed over in the time of a comparison of planes, about
 
 
 @part
@@ -35,7 +38,15 @@ def known_peak(case, box):
     Of peaks that are the same only the highest becomes a candidate: whichever that is has to
     represent them too.
     """
-    for k in range(min(case.found.count[PEAKS], len(case.found.peak))):
+    peaks, middle = case.found.peak, scratch(3)
+    count = min(case.found.count[PEAKS], len(peaks))
+    centre(box, middle)
+    reach = max(NEAR, case.limits.same_distance) + _sway(box) + SLACK
+    case.found.count[WORK] += count // PEAKS_A_COMPARISON
+    for k in range(count):
+        dx, dy = peaks[k, 1] - middle[1], peaks[k, 2] - middle[2]
+        if dx * dx + dy * dy > reach * reach:
+            continue
         if _stands_for(case, k, box) and _others_stand(case, k, box):
             return k
     return -1
@@ -69,13 +80,19 @@ def _stands_for(case, k, box):
     """Whether peak ``k`` represents all feasible placements of the box."""
     limits, middle, at = case.limits, scratch(3), case.found.peak[k]
     centre(box, middle)
-    sway = radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
+    sway = _sway(box)
     apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
     turned = abs(wrapped(at[0] - middle[0]))
     if apart + sway <= limits.same_distance and turned + box[TURN] <= limits.same_yaw:
         return True
     near = apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]
     return near and _represented(case, box, at)
+
+
+@part
+def _sway(box):
+    """How far the mean room centre moves inside the box."""
+    return radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
 
 
 @part
@@ -109,8 +126,13 @@ def _represented(case, box, at):
                 continue
             if not may_explain(case, r, a, box[YAW], x, y, slack):
                 continue
+            sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
             for i in range(seen.first[r], seen.first[r + 1]):
-                for j in range(plan.first[a], plan.first[a + 1]):
+                if sorted_:
+                    turn, reach = limits.angle + box[TURN] + SLACK, limits.fit + SLACK
+                    rows = list_rows(case, a, i, box[YAW], x, y, turn, reach, slack)
+                for m in range(rows):
+                    j = case.bench.close[m] if sorted_ else plan.first[a] + m
                     bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])
                     if abs(bend) > limits.angle + box[TURN] + SLACK:
                         continue

@@ -109,6 +109,12 @@ class Plan(NamedTuple):
     cells: Ints  # (2,) of a map of the plan (``ground``): words of 64 cells a row, rows
     corner: Floats  # (3,) where it begins, x and y in metres, and how many cells a metre has
     widest: int  # most planes of one room
+    strand_first: Ints  # (M + 1,) strands of a room of many walls (``strands``), by direction
+    strand_normal: Table  # (S, 2)
+    strand_angle: Floats  # (S,)
+    strand_line: Ints  # (S + 1,) each strand's walls, by offset
+    strand_offset: Floats  # (L,) from the room's centre
+    strand_row: Ints  # (L,)
     slots: Block  # in memory
 
 
@@ -175,6 +181,9 @@ class Bench(NamedTuple):
     value: Annotated[Floats, "n", "m"]  # log ratio
     fits: Annotated[Ints, "n", "m"]  # state
     count: Annotated[Ints, "n"]  # type: ignore[assignment]
+    close: Annotated[
+        Ints, "m"
+    ]  # prior rows that a plane may be near, or counterparts that were met
     best: Annotated[Floats, "n + 1"]  # largest sum from a plane on
     pick: Annotated[Ints, "n"]  # the choice tried
     kept: Annotated[Ints, "n"]  # the best choice's rows
@@ -186,7 +195,7 @@ class Bench(NamedTuple):
     way: Annotated[Ints, "m"]  # the plane before it
     choice: Annotated[Ints, "m"]  # and which of its counterparts this is
     owner: Annotated[Ints, "m"]  # the plane that has it, -1 for none
-    done: Annotated[Ints, "m"]  # 1 when the shortest path is known
+    done: Annotated[Ints, "m"]  # whether it was met, and the shortest path to it is known
 
 
 class Options(NamedTuple):
@@ -223,8 +232,8 @@ class Tally(NamedTuple):
     """Sums over the occurrences of each distinct plane."""
 
     # Fits, their squares: offset, bend; moved, their squares of bend, sum of their offsets; row of
-    # the prior plane, 1 when its wall has been counted.
-    sums: Annotated[Floats, "planes", 8]
+    # the prior plane, 1 when its wall has been counted, what those counted spare it at most.
+    sums: Annotated[Floats, "planes", 9]
     missing: Annotated[Ints, "planes"]
 
 

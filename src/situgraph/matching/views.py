@@ -11,9 +11,10 @@ import math
 
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
-from situgraph.matching.explained import Slack, explain, wrapped
+from situgraph.matching.explained import explain
 from situgraph.matching.lookup import Reach, find
 from situgraph.matching.pairing import add_option, pair_up
+from situgraph.matching.slack import Slack, wrapped
 from situgraph.matching.tables import FIT, MISSING, MOVED
 
 PARALLEL = 0.01  # sine of the angle between the planned faces of one wall, at most
@@ -119,7 +120,7 @@ def tally_planes(case, spot):
     seen, tally = case.seen, case.tally
     for p in range(seen.planes):
         tally.missing[p] = 0
-        for k in range(8):
+        for k in range(9):
             tally.sums[p, k] = 0.0
     for i in range(len(view.state)):
         p = seen.plane[i]
@@ -165,26 +166,21 @@ def _moved_together(case):
 
     Grown from any plane (Prim), always by the plane whose wall's other planes moved most alike.
     """
-    seen, tally = case.seen, case.tally
-    left = 0
-    for p in range(seen.planes):
-        left += _is_moved(tally, p)
+    seen, sums = case.seen, case.tally.sums
     total = 0.0
-    for _ in range(left):
-        best, gain = -1, -1.0
+    while True:
+        best = -1
         for p in range(seen.planes):
-            if not _is_moved(tally, p) or tally.sums[p, 7] > 0:
-                continue
-            if best < 0:
-                best, gain = p, 0.0
-            for q in range(seen.planes):
-                if tally.sums[q, 7] > 0:
-                    spared = _spared(case, p, q)
-                    if spared > gain:
-                        best, gain = p, spared
-        tally.sums[best, 7] = 1.0
-        total += gain
-    return total
+            out = _is_moved(case.tally, p) and sums[p, 7] == 0
+            if out and (best < 0 or sums[p, 8] > sums[best, 8]):
+                best = p
+        if best < 0:
+            return total
+        sums[best, 7] = 1.0
+        total += sums[best, 8]
+        for p in range(seen.planes):
+            if _is_moved(case.tally, p) and sums[p, 7] == 0:
+                sums[p, 8] = max(sums[p, 8], _spared(case, p, best))
 
 
 @part
