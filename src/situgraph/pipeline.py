@@ -104,7 +104,7 @@ class Pipeline:
             None
             if plan is None
             else Matcher(
-                as_looked_for(plan, detector),
+                _as_looked_for(plan, detector),
                 semantics=semantics,
                 config=as_passed(self.settings) if detector is None else self.settings.matching,
             )
@@ -305,18 +305,25 @@ class Pipeline:
             self._seconds[stage] += time.perf_counter() - start
 
 
-def as_looked_for(
-    plan: SceneGraph | PlanIndex, detector: Detector | None
-) -> SceneGraph | PlanIndex:
+def as_looked_for(prior: SceneGraph, detector: Detector | None) -> SceneGraph:
     """The plan as far as it is evidence: nobody misses what the detector cannot find.
 
     Doorways are found without a camera, by the trajectory.
     """
-    prior = plan.prior if isinstance(plan, PlanIndex) else plan
     able = {DOORWAY, *(() if detector is None else detector.categories)}
     if prior.modelled <= able:
-        return plan
+        return prior
     return prior.replace(modelled_categories=tuple(sorted(prior.modelled & able)))
+
+
+def _as_looked_for(
+    plan: SceneGraph | PlanIndex, detector: Detector | None
+) -> SceneGraph | PlanIndex:
+    """The same of a plan that may have its index already, which is kept if it can be."""
+    if isinstance(plan, SceneGraph):
+        return as_looked_for(plan, detector)
+    looked_for = as_looked_for(plan.prior, detector)
+    return plan if looked_for is plan.prior else looked_for
 
 
 def as_passed(settings: Settings) -> MatchingConfig:

@@ -9,22 +9,23 @@ fixed before any experiment was run on it; walls alone can tell it only at 3 and
 from __future__ import annotations
 
 import statistics
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args
 
 import numpy as np
 
+from situgraph.config import Settings
 from situgraph.experiments.detection import Stages, oracle_of
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
 from situgraph.geometry.poses import Placement
 from situgraph.judging import RIGHT_ANGLE, RIGHT_DISTANCE, apart
-from situgraph.matching import PlanIndex, match
+from situgraph.matching import MatchingConfig, PlanIndex, match
 from situgraph.matching.matcher import Semantics
 from situgraph.objects.network import NetworkDetector
 from situgraph.objects.stage import ObjectStage
-from situgraph.pipeline import Pipeline
+from situgraph.pipeline import Pipeline, as_looked_for, as_passed
 from situgraph.plan.sample_prefix import first_rooms
 from situgraph.plan.sampler import Sampler
 from situgraph.plan.sampler_config import PAPER_DETECTOR, SamplerConfig
@@ -33,11 +34,12 @@ from situgraph.run import feed
 from situgraph.scenegraph.graph import SceneGraph
 from situgraph.sim.simulation import Simulation
 
-REVISION = 2
+REVISION = 3
 ROOMS = 6
 SEEDS = {"simulation": (2, 10), "sampler": (10, 100)}  # default, full
 POLICIES: tuple[Semantics, ...] = get_args(Semantics)
 DOORWAYS = "doorways only"
+SAMPLED = "sampled detector"
 WITH_OBJECTS: tuple[Semantics, ...] = ("containment", "likelihood")
 # The paper's table I (s), a line a plan; what is left out there is no valid match.
 PAPER_SEMANTIC = (
@@ -70,35 +72,42 @@ def run(options: RunOptions) -> ExperimentResult:
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What was known after ``seconds``: the rooms in the order of their detection, and the graph
-    by detector.
-    """  # noqa: D205
+    """What was known after ``seconds``: the rooms in the order of their detection.
+
+    By detector the graph, the plan as far as it is evidence to it, and how the two are matched.
+    """
 
     seconds: float
     order: Sequence[str]
     graphs: Mapping[str, SceneGraph]
+    plans: Mapping[str, tuple[SceneGraph, MatchingConfig]]
     truth: Placement
 
 
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One plan, one drive: the time of each cell by policy and detector."""
     prior = six_rooms(task["rooms"])
-    index = PlanIndex(prior)
+    known: dict[str, tuple[PlanIndex, MatchingConfig]] = {}
     moments = _sampled(prior, task) if task["source"] == "sampler" else driven(prior, task["seed"])
     cells: dict[str, dict[str, float | None]] = {}
     wrong: dict[str, int] = {}
     detected: dict[int, float] = {}
     for moment in moments:
-        known = len(moment.order)
-        for count in range(1, known + 1):
+        rooms = len(moment.order)
+        for count in range(1, rooms + 1):
             detected.setdefault(count, moment.seconds)
-        for name, policy, graph in _cases(moment.graphs):
-            for count in range(1, min(known, task["rooms"]) + 1):
+        for name, policy, detector in _cases(moment.graphs):
+            graph = moment.graphs[detector]
+            if detector not in known:
+                plan, config = moment.plans[detector]
+                known[detector] = PlanIndex(plan), config
+            index, config = known[detector]
+            for count in range(1, min(rooms, task["rooms"]) + 1):
                 cell = cells.setdefault(name, {})
                 if cell.setdefault(str(count), None) is not None:
                     continue
                 part = only_rooms(graph, moment.order[:count])
-                result = match(part, index, semantics=policy)
+                result = match(part, index, semantics=policy, config=config)
                 if result.unique and result.best is not None:
                     if _right(result.best.transform, moment.truth, part):
                         cell[str(count)] = moment.seconds
@@ -112,17 +121,17 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _cases(graphs: Mapping[str, SceneGraph]) -> Iterator[tuple[str, Semantics, SceneGraph]]:
-    """What is compared: walls alone once, the other policies for each detector.
+def _cases(detectors: Iterable[str]) -> Iterator[tuple[str, Semantics, str]]:
+    """What is compared, by which policy and detector: walls alone once, the others for each.
 
     The first detector's cases bear the name of their policy alone.
     """
-    first = next(iter(graphs))
-    yield "none", "none", graphs[first]
-    for detector, graph in graphs.items():
+    first = next(iter(detectors))
+    yield "none", "none", first
+    for detector in detectors:
         for policy in WITH_OBJECTS:
             name = policy if detector == first else f"{policy}, {detector}"
-            yield name, policy, graph
+            yield name, policy, detector
 
 
 def _right(found: Placement, true: Placement, online: SceneGraph) -> bool:
@@ -157,6 +166,10 @@ def driven(prior: SceneGraph, seed: int) -> Iterator[Moment]:
     stages = Stages([NetworkDetector(), oracle_of(drive.truth, seed)])
     names = [s.detector.name for s in stages.all if s.detector is not None]
     blind = ObjectStage(None)
+    plans = {
+        n: (as_looked_for(prior, s.detector), MatchingConfig()) for n, s in zip(names, stages.all)
+    }
+    plans[DOORWAYS] = as_looked_for(prior, None), as_passed(Settings())
     info = drive.info
     system = Pipeline(
         detector=stages.all[0].detector,
@@ -178,7 +191,7 @@ def driven(prior: SceneGraph, seed: int) -> Iterator[Moment]:
         graphs[DOORWAYS] = blind.annotated(*seen)
         if order:
             passed = message.stamp - info.start
-            yield Moment(passed, tuple(order), graphs, drive.truth.building_T_map)
+            yield Moment(passed, tuple(order), graphs, plans, drive.truth.building_T_map)
 
 
 def _sampled(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
@@ -188,9 +201,8 @@ def _sampled(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
     for count in range(1, len(whole.truth.order) + 1):
         part = first_rooms(whole, prior, count)
         truth = part.truth
-        yield Moment(
-            truth.walked[-1], truth.order, {"sampled detector": part.online}, truth.placement
-        )
+        graphs, plans = {SAMPLED: part.online}, {SAMPLED: (prior, MatchingConfig())}
+        yield Moment(truth.walked[-1], truth.order, graphs, plans, truth.placement)
 
 
 def paper() -> dict[str, dict[str, int | None]]:
