@@ -14,15 +14,61 @@ from situgraph.matching.views import tally_planes
 
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
+MOST_HELD = 3  # planes at once: a placement has no more freedom
+SLACK = 1e-9  # metres
 STIFF = 1e6  # times the weight of a plane that is held
+
+
+@part
+def slide(case, at, inside, out):
+    """Into ``out`` the optimum for ``case.one`` where no plane that is at a limit goes over it.
+
+    Those that would are held so far ``inside`` of it, one after the other. A straight way leaves
+    such a limit when it turns; farther inside it can be longer. None is held afterwards.
+    """
+    view = case.one
+    optimum(case, view, at, inside, out)
+    for _ in range(MOST_HELD):
+        worst = _most_over(case, view, out)
+        if worst < 0:
+            break
+        case.tally.held[worst] = 1
+        optimum(case, view, at, inside, out)
+    for i in range(len(view.state)):
+        case.tally.held[i] = 0
+
+
+@part
+def _most_over(case, view, goal):
+    """The plane at a limit that would be farthest over it at ``goal``, -1 for none."""
+    seen, plan, limits = case.seen, case.plan, case.limits
+    worst, most = -1, SLACK
+    c, s = math.cos(goal[0]), math.sin(goal[0])
+    for r in range(len(view.room)):
+        if view.room[r] < 0:
+            continue
+        cx, cy = seen.center[r, 0], seen.center[r, 1]
+        x, y = goal[1] + c * cx - s * cy, goal[2] + s * cx + c * cy
+        for i in range(seen.first[r], seen.first[r + 1]):
+            state, j = view.state[i], view.row[i]
+            stop = limits.fit if state == FIT else limits.moved
+            if (
+                (state != FIT and state != MOVED)
+                or case.tally.held[i]
+                or (stop - abs(view.offset[i]) >= AT_LIMIT)
+            ):
+                continue
+            off = seen.distance[i] - (plan.row[j, 0] * x + plan.row[j, 1] * y + plan.row[j, 2])
+            if abs(off) - stop > most:
+                worst, most = i, abs(off) - stop
+    return worst
 
 
 @part
 def optimum(case, spot, at, inside, out):
     """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``spot``.
 
-    Unless ``inside`` is 0, planes at a limit are held so far inside of it: it is slid along what
-    ended a way. A straight way leaves such a limit when it turns; farther inside it can be longer.
+    Planes that are held stay so far ``inside`` of their limits.
     """
     tally_planes(case, spot)
     yaw, x, y = at[0], at[1], at[2]
@@ -61,7 +107,7 @@ def pull_of(case, view, yaw, x, y, inside, system):
             fit, stop = state == FIT, limits.fit if state == FIT else limits.moved
             if not fit and state != MOVED:
                 continue
-            stiff = inside > 0 and stop - abs(view.offset[i]) < AT_LIMIT
+            stiff = tally.held[i] == 1
             if fit or tally.sums[p, 0] == 0:
                 bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
                 weight = limits.angle_weight / tally.sums[p, 0 if fit else 3]

@@ -11,7 +11,7 @@ import math
 
 from situgraph.matching.compiled import part
 from situgraph.matching.leverage import measure_margins, stays_low
-from situgraph.matching.optimum import optimum, pull_of
+from situgraph.matching.optimum import optimum, pull_of, slide
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MOVED, PEAKS
@@ -42,7 +42,10 @@ def climb(case, at):
     height, held = evidence(case, case.one), 0
     goal, tried = scratch(3), scratch(3)
     for _ in range(ROUNDS):
-        optimum(case, case.one, at, INSIDE[held], goal)
+        if held == 0:
+            optimum(case, case.one, at, 0.0, goal)
+        else:
+            slide(case, at, INSIDE[held], goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
         arrives = feasible(case, case.two, tried)
         value = height
@@ -153,13 +156,14 @@ def _changed(case, at, i, free, goal, tried):
     """
     view, state = case.one, case.one.state[i]
     view.state[i] = FIT if state == MOVED else MOVED
-    arrives = False
-    for held in range(2):
-        if not arrives:
-            optimum(case, case.one, at, INSIDE[held], goal)
-            _part_way(goal, goal, 0.0, 0.0, tried)
-            arrives = feasible(case, case.two, tried)
-            arrives = arrives and (state == FIT or case.two.state[i] == FIT)
+    optimum(case, view, at, 0.0, goal)
+    _part_way(goal, goal, 0.0, 0.0, tried)
+    arrives = feasible(case, case.two, tried)
+    if not arrives or (state == MOVED and case.two.state[i] != FIT):
+        case.tally.held[i] = state == MOVED
+        slide(case, at, INSIDE[1], goal)
+        _part_way(goal, goal, 0.0, 0.0, tried)
+        arrives = feasible(case, case.two, tried)
     view.state[i] = state
     if not arrives and not _last_feasible(case, at, goal, False, tried):
         return -math.inf

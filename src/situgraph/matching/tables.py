@@ -235,6 +235,7 @@ class Tally(NamedTuple):
     # the prior plane, 1 when its wall has been counted, what those counted spare it at most.
     sums: Annotated[Floats, "planes", 9]
     missing: Annotated[Ints, "planes"]
+    held: Annotated[Ints, "P"]  # whether it stays at its limit while it is slid along; else 0
 
 
 class Spans(NamedTuple):

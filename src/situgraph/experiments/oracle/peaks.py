@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import msgspec
 import numpy as np
@@ -22,6 +23,7 @@ from situgraph.experiments.oracle.explained import (
 from situgraph.experiments.oracle.likelihood import wall_evidence
 from situgraph.experiments.oracle.loops import least_squares, wrapped
 from situgraph.experiments.oracle.problem import Flags, Problem
+from situgraph.geometry.poses import rotation2
 
 ROUNDS = 30
 LEAST_GAIN = 1e-3  # of L
@@ -29,6 +31,8 @@ SMALLEST_STEP = 1e-6  # share of a step to the optimum below which it is not fol
 AT_LIMIT = 1e-4  # metres that a plane is from a limit when it may be what ends a way
 INSIDE = (0.0, 1e-5, 1e-3)  # metres from it, where it is then held; the first: not held
 STIFF = 1e3  # its weight
+FREEDOM = 3  # planes that are held at once, at most
+ROUNDING = 1e-6  # metres
 
 
 def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ()) -> View:
@@ -38,7 +42,7 @@ def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ())
     """
     best, height, held = start, wall_evidence(problem, start), 0
     for _ in range(ROUNDS):
-        goal = optimum(problem, best, INSIDE[held])
+        goal = slid(problem, best, INSIDE[held]) if held else optimum(problem, best)
         for there in known:
             if beside(problem, there.motion, goal):
                 return there
@@ -85,11 +89,10 @@ def _towards(problem: Problem, start: View, held: View, near: Flags) -> View:
     """
     fits = {(p.r, q.i) for p in held.pairs for q in p.planes if q.state == FIT}
     fits -= {(p.r, q.i) for p in start.pairs for q in p.planes if q.state == FIT}
-    for inside in INSIDE[:2]:
-        found, arrives = _kept_feasible(problem, start, optimum(problem, held, inside), near)
-        if arrives and fits <= {(r, i) for r, _, i, _ in fitting(found)}:
-            break
-    return found
+    found, arrives = _kept_feasible(problem, start, optimum(problem, held), near)
+    if arrives and fits <= {(r, i) for r, _, i, _ in fitting(found)}:
+        return found
+    return _kept_feasible(problem, start, slid(problem, held, INSIDE[1]), near)[0]
 
 
 def _changed(held: View) -> Iterator[View]:
@@ -116,14 +119,52 @@ def beside(problem: Problem, one: Motion, two: Motion) -> bool:
     return one.z == two.z and bool(apart <= c.same_distance / 2 and turned <= c.same_yaw / 2)
 
 
-def optimum(problem: Problem, held: View, inside: float = 0.0) -> Motion:
-    """The placement of the largest L for fixed correspondences.
+# Online room, plane, prior plane, weight by angle and by offset, the offset that is kept.
+Pull = tuple[int, int, int, float, float, float]
 
-    Unless ``inside`` is 0, planes at a limit stay so far from it.
+
+def slid(problem: Problem, held: View, inside: float) -> Motion:
+    """The placement of the largest L where no plane that is at a limit, or over it, is beyond it.
+
+    All sets of such planes are tried that may stay so far ``inside`` of their limits.
     """
+    stiff = _stiff(problem, held, inside)
+    best, least = optimum(problem, held), math.inf
+    for size in range(min(len(stiff), FREEDOM) + 1):
+        for some in combinations(stiff, size):
+            at = optimum(problem, held, some)
+            within = all(
+                abs(_offset(problem, at, *pull[:3])) <= abs(pull[5]) + inside + ROUNDING
+                for pull in stiff
+            )
+            cost = _cost(problem, held, at)
+            if within and cost < least:
+                best, least = at, cost
+    return best
+
+
+def _offset(problem: Problem, at: Motion, r: int, p: int, q: int) -> float:
+    """The residual of a plane pair."""
+    center = rotation2(at.yaw) @ problem.arms[r] + at.point
+    reach = float(problem.theirs.normals[q] @ center + problem.theirs.offsets[q])
+    return float(problem.mine.distances[p]) - reach
+
+
+def _cost(problem: Problem, held: View, at: Motion) -> float:
+    """What the planes pay for their residuals."""
+    c, total = problem.constants, 0.0
+    for r, p, q, by_angle, by_offset, _ in _pulls(problem, held):
+        angle = wrapped(float(problem.mine.angles[p] + at.yaw - problem.theirs.angles[q]))
+        total += (by_angle * angle / c.angle_sigma) ** 2
+        total += (by_offset * _offset(problem, at, r, p, q) / c.plane_sigma) ** 2
+    return total
+
+
+def optimum(problem: Problem, held: View, stiff: Sequence[Pull] = ()) -> Motion:
+    """The placement of the largest L for fixed correspondences, some planes held where they are."""
     c, motion = problem.constants, held.motion
     mine, theirs = problem.mine, problem.theirs
-    pulls = _pulls(problem, held) + (_stiff(problem, held, inside) if inside else [])
+    pulls = [*_pulls(problem, held), *stiff]
     r, p, q, angles, offsets, kept = np.array(pulls).T
     r, p, q = r.astype(int), p.astype(int), q.astype(int)
     yaw, point = least_squares(
@@ -137,10 +178,6 @@ def optimum(problem: Problem, held: View, inside: float = 0.0) -> Motion:
         motion.point,
     )
     return Motion(yaw, point, motion.z)
-
-
-# Online room, plane, prior plane, weight by angle and by offset, the offset that is kept.
-Pull = tuple[int, int, int, float, float, float]
 
 
 def _pulls(problem: Problem, held: View) -> list[Pull]:
@@ -162,7 +199,7 @@ def _pulls(problem: Problem, held: View) -> list[Pull]:
 
 
 def _stiff(problem: Problem, held: View, inside: float) -> list[Pull]:
-    """The planes at a limit, which stay there."""
+    """The planes at a limit, as if they stayed there."""
     c, mine, theirs = problem.constants, problem.mine.first, problem.theirs.first
     limits = {FIT: c.fit_limit, MOVED: c.moved_limit}
     pulls: list[Pull] = []
