@@ -22,6 +22,7 @@ from situgraph.coupling import Located, Locator, from_slam, locate, spread
 from situgraph.geometry.poses import Array, pose_to_matrix
 from situgraph.matching import Matcher, MatchingConfig, PlanIndex
 from situgraph.objects.detections import Camera, Detector
+from situgraph.objects.doorways import DOORWAY
 from situgraph.objects.gaps import WallGap
 from situgraph.objects.stage import ObjectStage, View
 from situgraph.scenegraph.graph import SceneGraph, Warning
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from situgraph.matching import MatchResult
     from situgraph.matching.matcher import Semantics
 
-DOORWAY = "door"  # the category that a trajectory shows
 MOVED = (0.01, 0.003)  # m, rad: keyframes corrected by less need not move their objects
 
 
@@ -104,7 +104,7 @@ class Pipeline:
             None
             if plan is None
             else Matcher(
-                _as_looked_for(plan, detector),
+                plan,
                 semantics=semantics,
                 config=as_passed(self.settings) if detector is None else self.settings.matching,
             )
@@ -303,27 +303,6 @@ class Pipeline:
             yield
         finally:
             self._seconds[stage] += time.perf_counter() - start
-
-
-def as_looked_for(prior: SceneGraph, detector: Detector | None) -> SceneGraph:
-    """The plan as far as it is evidence: nobody misses what the detector cannot find.
-
-    Doorways are found without a camera, by the trajectory.
-    """
-    able = {DOORWAY, *(() if detector is None else detector.categories)}
-    if prior.modelled <= able:
-        return prior
-    return prior.replace(modelled_categories=tuple(sorted(prior.modelled & able)))
-
-
-def _as_looked_for(
-    plan: SceneGraph | PlanIndex, detector: Detector | None
-) -> SceneGraph | PlanIndex:
-    """The same of a plan that may have its index already, which is kept if it can be."""
-    if isinstance(plan, SceneGraph):
-        return as_looked_for(plan, detector)
-    looked_for = as_looked_for(plan.prior, detector)
-    return plan if looked_for is plan.prior else looked_for
 
 
 def as_passed(settings: Settings) -> MatchingConfig:

@@ -25,7 +25,7 @@ from situgraph.matching import MatchingConfig, PlanIndex, match
 from situgraph.matching.matcher import Semantics
 from situgraph.objects.network import NetworkDetector
 from situgraph.objects.stage import ObjectStage
-from situgraph.pipeline import Pipeline, as_looked_for, as_passed
+from situgraph.pipeline import Pipeline, as_passed
 from situgraph.plan.sample_prefix import first_rooms
 from situgraph.plan.sampler import Sampler
 from situgraph.plan.sampler_config import PAPER_DETECTOR, SamplerConfig
@@ -74,20 +74,20 @@ def run(options: RunOptions) -> ExperimentResult:
 class Moment:
     """What was known after ``seconds``: the rooms in the order of their detection.
 
-    By detector the graph, the plan as far as it is evidence to it, and how the two are matched.
+    By detector the graph, and how it is matched with the plan.
     """
 
     seconds: float
     order: Sequence[str]
     graphs: Mapping[str, SceneGraph]
-    plans: Mapping[str, tuple[SceneGraph, MatchingConfig]]
+    configs: Mapping[str, MatchingConfig]
     truth: Placement
 
 
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One plan, one drive: the time of each cell by policy and detector."""
     prior = six_rooms(task["rooms"])
-    known: dict[str, tuple[PlanIndex, MatchingConfig]] = {}
+    index = PlanIndex(prior)
     moments = _sampled(prior, task) if task["source"] == "sampler" else driven(prior, task["seed"])
     cells: dict[str, dict[str, float | None]] = {}
     wrong: dict[str, int] = {}
@@ -97,11 +97,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
         for count in range(1, rooms + 1):
             detected.setdefault(count, moment.seconds)
         for name, policy, detector in _cases(moment.graphs):
-            graph = moment.graphs[detector]
-            if detector not in known:
-                plan, config = moment.plans[detector]
-                known[detector] = PlanIndex(plan), config
-            index, config = known[detector]
+            graph, config = moment.graphs[detector], moment.configs[detector]
             for count in range(1, min(rooms, task["rooms"]) + 1):
                 cell = cells.setdefault(name, {})
                 if cell.setdefault(str(count), None) is not None:
@@ -166,10 +162,7 @@ def driven(prior: SceneGraph, seed: int) -> Iterator[Moment]:
     stages = Stages([NetworkDetector(), oracle_of(drive.truth, seed)])
     names = [s.detector.name for s in stages.all if s.detector is not None]
     blind = ObjectStage(None)
-    plans = {
-        n: (as_looked_for(prior, s.detector), MatchingConfig()) for n, s in zip(names, stages.all)
-    }
-    plans[DOORWAYS] = as_looked_for(prior, None), as_passed(Settings())
+    configs = dict.fromkeys(names, MatchingConfig()) | {DOORWAYS: as_passed(Settings())}
     info = drive.info
     system = Pipeline(
         detector=stages.all[0].detector,
@@ -191,7 +184,7 @@ def driven(prior: SceneGraph, seed: int) -> Iterator[Moment]:
         graphs[DOORWAYS] = blind.annotated(*seen)
         if order:
             passed = message.stamp - info.start
-            yield Moment(passed, tuple(order), graphs, plans, drive.truth.building_T_map)
+            yield Moment(passed, tuple(order), graphs, configs, drive.truth.building_T_map)
 
 
 def _sampled(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
@@ -201,8 +194,8 @@ def _sampled(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
     for count in range(1, len(whole.truth.order) + 1):
         part = first_rooms(whole, prior, count)
         truth = part.truth
-        graphs, plans = {SAMPLED: part.online}, {SAMPLED: (prior, MatchingConfig())}
-        yield Moment(truth.walked[-1], truth.order, graphs, plans, truth.placement)
+        graphs, configs = {SAMPLED: part.online}, {SAMPLED: MatchingConfig()}
+        yield Moment(truth.walked[-1], truth.order, graphs, configs, truth.placement)
 
 
 def paper() -> dict[str, dict[str, int | None]]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import time
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -66,8 +68,25 @@ class PlanIndex:
         self.elevations: Floats = np.unique(heights[rooms.kept])
         self.area = _area(prior, heights, self.config.plan_margin)
         self.table = self._table(rooms, normal, distance, heights[rooms.kept])
+        self._narrower: dict[tuple[str, ...], PlanIndex] = {}
         self.room_ids = [prior.rooms[k].id for k in self.kept.tolist()]
         self.seconds = time.perf_counter() - begin
+
+    def looked_for(self, categories: Sequence[str] | None) -> PlanIndex:
+        """This index as far as it is evidence to who can find these categories (None: all).
+
+        What nobody could have found is not missed. Walls and rooms are shared.
+        """
+        if categories is None or self.prior.modelled <= set(categories):
+            return self
+        able = tuple(sorted(self.prior.modelled & set(categories)))
+        if able not in self._narrower:
+            narrower = copy.copy(self)
+            narrower.prior = self.prior.replace(modelled_categories=able)
+            for name in ("stock", "objects", "rates"):
+                narrower.__dict__.pop(name, None)
+            self._narrower[able] = narrower
+        return self._narrower[able]
 
     @cached_property
     def stock(self) -> Stock:

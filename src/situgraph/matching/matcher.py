@@ -34,7 +34,7 @@ def match(
     The definition of every word is in ``docs/matching.md``.
 
     Args:
-        online: the graph to place.
+        online: the graph to place. If it declares ``modelled_categories``, others are no evidence.
         index: the plan, or its graph (then the index is built first).
         semantics: ``none`` uses walls only; ``containment`` is the paper's filter (section
             'Semantic-enhanced graph matching'); ``likelihood`` weighs objects with error rates.
@@ -62,6 +62,7 @@ def match_knowing(
     """
     begin = time.perf_counter()
     announce_compilation(search_all)
+    index = index.looked_for(online.modelled_categories)
     inputs = prepare(online, index, semantics, settings)
     searched = time.perf_counter()
     peaks = find(inputs, inputs.aim, known)

@@ -16,6 +16,7 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.relations import RoomView, room_of, room_views
 from situgraph.scenegraph.graph import Ellipsoid, Object, SceneGraph
 
+DOORWAY = "door"  # the category that a trajectory shows
 EVIDENCE = "evidence"  # attribute of an object: which kinds of evidence it stands on
 TRAJECTORY = "trajectory"
 
@@ -120,7 +121,7 @@ def _doorway(
     )
     return Object(
         f"doorway{number}",
-        "door",
+        DOORWAY,
         (x, y, view.floor + config.doorway_height / 2.0),
         ellipsoid,
         tuple(dict.fromkeys(views[k].room.id for k, _ in faces)),

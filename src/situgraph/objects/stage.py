@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from situgraph.objects.association import ObjectMap, Track
 from situgraph.objects.cloud import labelled_clouds, max_range
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.detections import Camera, Detector
-from situgraph.objects.doorways import doorways
+from situgraph.objects.doorways import DOORWAY, doorways
 from situgraph.objects.gaps import WallGap, in_walls, supported
 from situgraph.objects.openings import Openings, Seen, openings, stands
 from situgraph.objects.reconcile import backed, reconciled, without_leaves
@@ -103,7 +103,13 @@ class ObjectStage:
         return graph.replace(
             objects=supported(objects, gaps, graph, self.config),
             warnings=(*graph.warnings, *self.left_out),
+            modelled_categories=tuple(sorted({DOORWAY, *self._able})),
         )
+
+    @property
+    def _able(self) -> Collection[str]:
+        """What the camera can find; doorways are found without one, by the trajectory."""
+        return () if self.detector is None else self.detector.categories
 
     def _placed(
         self, views: tuple[RoomView, ...], gaps: Sequence[WallGap]
