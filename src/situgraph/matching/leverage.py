@@ -9,7 +9,7 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.optimum import solve
 from situgraph.matching.slack import wrapped
-from situgraph.matching.tables import FIT
+from situgraph.matching.tables import FIT, MOVED
 
 LEAST_REST = 1e-3  # share of what a plane says that others say as well, to go by its leverage
 LEAST_EASE = 1e-9  # square metres by which a plane gives way to one unit of L
@@ -43,14 +43,39 @@ def measure_margins(case, at, margin):
 
 
 @part
-def stays_low(case, at, r, i, system, margin, spared, step):
-    """Whether letting plane ``i`` go, or holding it, leads no higher than the peak.
+def offset_at(case, at, r, i, j):
+    """By how much plane ``i`` of room ``r`` is off from prior row ``j``."""
+    seen, plan = case.seen, case.plan
+    c, s = math.cos(at[0]), math.sin(at[0])
+    cx, cy = seen.center[r, 0], seen.center[r, 1]
+    x, y = at[1] + c * cx - s * cy, at[2] + s * cx + c * cy
+    return seen.distance[i] - (plan.row[j, 0] * x + plan.row[j, 1] * y + plan.row[j, 2])
 
-    That follows from its leverage, unless another plane changes its state on the way.
+
+@part
+def nearly_moved(case, at, r, i):
+    """The wall nearest by of those just beyond where missing plane ``i`` would be moved, or -1."""
+    seen, plan, limits, a = case.seen, case.plan, case.limits, case.one.room[r]
+    nearest, found = limits.moved + limits.fit, -1
+    for j in range(plan.first[a], plan.first[a + 1]):
+        if abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3])) > limits.angle:
+            continue
+        off = abs(offset_at(case, at, r, i, j))
+        if limits.moved < off < nearest:
+            nearest, found = off, j
+    return found
+
+
+@part
+def stays_low(case, at, r, i, j, system, margin, spared, step):
+    """Whether letting plane ``i`` go, holding it or not missing it leads no higher than the peak.
+
+    That follows from its leverage, unless another plane changes its state on the way. ``j`` is its
+    prior row.
     """
     view, seen, plan, limits, tally = case.one, case.seen, case.plan, case.limits, case.tally
-    p, j, fit = seen.plane[i], view.row[i], view.state[i] == FIT
-    if tally.sums[p, 0] + tally.sums[p, 3] != 1:
+    p, state, offset = seen.plane[i], view.state[i], offset_at(case, at, r, i, j)
+    if tally.sums[p, 0] + tally.sums[p, 3] + tally.missing[p] != 1:
         return False
     c, s = math.cos(at[0]), math.sin(at[0])
     cx, cy = seen.center[r, 0], seen.center[r, 1]
@@ -59,28 +84,31 @@ def stays_low(case, at, r, i, system, margin, spared, step):
     if not solve(system, turn, nx, ny, step):
         return False
     weight, worth = limits.plane_weight, limits.fit_peak - limits.moved_base
-    off, ease = abs(view.offset[i]), turn * step[0] + nx * step[1] + ny * step[2]
-    if fit:
+    off, ease = abs(offset), turn * step[0] + nx * step[1] + ny * step[2]
+    if state == FIT:
         rest = 1.0 - weight * ease
         if rest < LEAST_REST or weight * off * off / rest > worth - spared:
             return False
-        push = weight * off / rest
+        push = -weight * off / rest
     else:
-        pull = off - min(limits.fit, off / (1.0 + weight * ease))
-        if ease < LEAST_EASE or pull * pull / ease + weight * (off - pull) ** 2 < worth:
+        pull, gain = off - limits.moved, limits.moved_base - limits.missing + spared
+        if state == MOVED:
+            pull = off - min(limits.fit, off / (1.0 + weight * ease))
+            gain = worth - weight * (off - pull) ** 2
+        if ease < LEAST_EASE or pull * pull / ease < gain:
             return False
         push = pull / ease
-    push = math.copysign(push, view.offset[i] if not fit else -view.offset[i])
+    push *= math.copysign(1.0, offset)
     for k in range(3):
         step[k] *= push
     swing, shift = abs(step[0]), abs(step[1]) + abs(step[2])
     if swing < margin[1] and shift + swing * margin[2] < margin[0]:
         return True
-    return _keeps_states(case, at, step, i)
+    return _keeps_states(case, at, step, i, j)
 
 
 @part
-def _keeps_states(case, at, step, changed):
+def _keeps_states(case, at, step, changed, row):
     """Whether all planes but the one that is changed stay within their limits on a step, or beyond.
 
     Those of rooms that are explained, towards each plane of their prior rooms.
@@ -95,7 +123,7 @@ def _keeps_states(case, at, step, changed):
         ax, ay = c * cx - s * cy, s * cx + c * cy
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(plan.first[a], plan.first[a + 1]):
-                if i == changed and j == view.row[i]:
+                if i == changed and j == row:
                     continue
                 bend = wrapped(seen.angle[i] + at[0] - plan.row[j, 3])
                 near = abs(bend) <= limits.angle

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.leverage import measure_margins, stays_low
+from situgraph.matching.leverage import measure_margins, nearly_moved, offset_at, stays_low
 from situgraph.matching.optimum import optimum, pull_of, slide
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
-from situgraph.matching.tables import FIT, MOVED, PEAKS
+from situgraph.matching.tables import FIT, MISSING, MOVED, PEAKS
 from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
 
 ROUNDS = 30
@@ -133,12 +133,12 @@ def _raise_once(case, at, height, goal, tried, top):
         if view.room[r] < 0:
             continue
         for i in range(seen.first[r], seen.first[r + 1]):
-            state = view.state[i]
-            if state != MOVED and state != FIT:
+            j = view.row[i]
+            if view.state[i] == MISSING:
+                j = nearly_moved(case, at, r, i)
+            if j < 0 or (free and stays_low(case, at, r, i, j, system, margin, spared, step)):
                 continue
-            if free and stays_low(case, at, r, i, system, margin, spared, step):
-                continue
-            value = _changed(case, at, i, free, goal, tried)
+            value = _changed(case, at, r, i, j, free, goal, tried)
             if value > height + LEAST_GAIN:
                 add_peak(case, tried, value)
                 if value > best:
@@ -149,22 +149,30 @@ def _raise_once(case, at, height, goal, tried, top):
 
 
 @part
-def _changed(case, at, i, free, goal, tried):
-    """L of the peak, at ``tried``, that letting plane ``i`` go leads to, or holding it again.
+def _changed(case, at, r, i, j, free, goal, tried):
+    """L of the peak, at ``tried``, to which plane ``i`` leads that is let go, held, or not missing.
 
-    No L is as low as when it leads nowhere. ``case.one`` is that of ``at`` before and after.
+    ``j`` is its prior row. No L is as low as when it leads nowhere. ``case.one`` is that of ``at``
+    before and after.
     """
-    view, state = case.one, case.one.state[i]
+    view, state, arrives = case.one, case.one.state[i], False
+    if state == MISSING:
+        view.row[i], view.offset[i] = j, offset_at(case, at, r, i, j)
     view.state[i] = FIT if state == MOVED else MOVED
-    optimum(case, view, at, 0.0, goal)
-    _part_way(goal, goal, 0.0, 0.0, tried)
-    arrives = feasible(case, case.two, tried)
+    if state != MISSING:
+        optimum(case, view, at, 0.0, goal)
+        _part_way(goal, goal, 0.0, 0.0, tried)
+        arrives = feasible(case, case.two, tried)
     if not arrives or (state == MOVED and case.two.state[i] != FIT):
-        case.tally.held[i] = state == MOVED
+        case.tally.held[i] = state != FIT
         slide(case, at, INSIDE[1], goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
         arrives = feasible(case, case.two, tried)
     view.state[i] = state
+    if state == MISSING:
+        view.row[i] = -1
+        if not arrives or case.two.state[i] == MISSING:
+            return -math.inf
     if not arrives and not _last_feasible(case, at, goal, False, tried):
         return -math.inf
     # From where a limit stopped the climb, another way may lead on.

@@ -57,6 +57,7 @@ def test_the_verdicts_are_the_same(number: int) -> None:
         432,  # a plane that is held fits at its limit only
         565,  # L is largest where a plane still fits
         1641,  # a limit ended a way that turns
+        8953,  # a plane was missing that stands at the limit of what may have moved
         2103,  # a plane let go, another is no longer missing
     ],
 )

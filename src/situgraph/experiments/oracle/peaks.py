@@ -16,8 +16,9 @@ from situgraph.experiments.oracle.explained import (
     MISSING,
     MOVED,
     Motion,
+    PlanePair,
+    RoomPair,
     View,
-    fitting,
     view,
 )
 from situgraph.experiments.oracle.likelihood import wall_evidence
@@ -66,7 +67,7 @@ def peak(problem: Problem, start: View, near: Flags, known: Sequence[View] = ())
 
 
 def highest(problem: Problem, top: View, near: Flags) -> View:
-    """The highest peak that is reached from a peak when any one plane is let go, or held again.
+    """The highest peak that is reached from a peak when any one plane changes its state.
 
     Peaks that are the same placement differ in which planes fit; of these the highest counts.
     """
@@ -74,7 +75,7 @@ def highest(problem: Problem, top: View, near: Flags) -> View:
     better = True
     while better:
         better = False
-        for held in _changed(best):
+        for held in _changes(problem, best):
             found = peak(problem, _towards(problem, best, held, near), near)
             value = wall_evidence(problem, found)
             if value > height + LEAST_GAIN:
@@ -85,30 +86,60 @@ def highest(problem: Problem, top: View, near: Flags) -> View:
 def _towards(problem: Problem, start: View, held: View, near: Flags) -> View:
     """Where the way to the optimum of other correspondences leads, on which they hold if they can.
 
-    A plane that is held and does not fit there is held at the limit.
+    A plane that is held, or no longer missing, and would not be there, is held at the limit.
     """
-    fits = {(p.r, q.i) for p in held.pairs for q in p.planes if q.state == FIT}
-    fits -= {(p.r, q.i) for p in start.pairs for q in p.planes if q.state == FIT}
+    before = _states(start)
+    wanted = {
+        plane: state
+        for plane, state in _states(held).items()
+        if (before[plane], state) in {(MOVED, FIT), (MISSING, MOVED)}
+    }
     found, arrives = _kept_feasible(problem, start, optimum(problem, held), near)
-    if arrives and fits <= {(r, i) for r, _, i, _ in fitting(found)}:
+    if arrives and wanted.items() <= _states(found).items():
         return found
-    return _kept_feasible(problem, start, slid(problem, held, INSIDE[1]), near)[0]
+    found, arrives = _kept_feasible(problem, start, slid(problem, held, INSIDE[1]), near)
+    there = arrives and wanted.items() <= _states(found).items()
+    return found if there or MOVED not in wanted.values() else start
 
 
-def _changed(held: View) -> Iterator[View]:
-    """The same correspondences with one plane that fits let go, or one that is moved held."""
+def _states(seen: View) -> dict[tuple[int, int], str]:
+    """The state of each plane of the explained rooms."""
+    return {(p.r, q.i): q.state for p in seen.pairs for q in p.planes}
+
+
+def _changes(problem: Problem, held: View) -> Iterator[View]:
+    """The same correspondences with one plane changed.
+
+    One that fits is let go, one that is moved is held, one that is missing is moved if a wall of
+    its direction is near enough.
+    """
     for k, pair in enumerate(held.pairs):
         for i, plane in enumerate(pair.planes):
             if plane.state == MISSING:
-                continue
-            state = MOVED if plane.state == FIT else FIT
-            planes = (
-                *pair.planes[:i],
-                msgspec.structs.replace(plane, state=state),
-                *pair.planes[i + 1 :],
-            )
-            changed = msgspec.structs.replace(pair, planes=planes)
-            yield replace(held, pairs=(*held.pairs[:k], changed, *held.pairs[k + 1 :]))
+                others = _nearly_moved(problem, held.motion, pair, plane)
+            else:
+                state = MOVED if plane.state == FIT else FIT
+                others = [msgspec.structs.replace(plane, state=state)]
+            for other in others:
+                planes = (*pair.planes[:i], other, *pair.planes[i + 1 :])
+                changed = msgspec.structs.replace(pair, planes=planes)
+                yield replace(held, pairs=(*held.pairs[:k], changed, *held.pairs[k + 1 :]))
+
+
+def _nearly_moved(
+    problem: Problem, at: Motion, pair: RoomPair, plane: PlanePair
+) -> list[PlanePair]:
+    """A missing plane with each wall just beyond where it would be moved."""
+    c, found = problem.constants, []
+    p = int(problem.mine.first[pair.r]) + plane.i
+    first = int(problem.theirs.first[pair.a])
+    for j in range(int(problem.theirs.first[pair.a + 1]) - first):
+        angle = wrapped(float(problem.mine.angles[p] + at.yaw - problem.theirs.angles[first + j]))
+        offset = _offset(problem, at, pair.r, p, first + j)
+        near = c.moved_limit < abs(offset) < c.moved_limit + c.fit_limit
+        if near and abs(angle) <= c.angle_tolerance and problem.allowed[p, first + j]:
+            found.append(PlanePair(plane.i, j, MOVED, angle=angle, offset=offset))
+    return found
 
 
 def beside(problem: Problem, one: Motion, two: Motion) -> bool:
