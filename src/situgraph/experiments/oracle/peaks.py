@@ -92,7 +92,7 @@ def _towards(problem: Problem, start: View, held: View, near: Flags) -> View:
     wanted = {
         plane: state
         for plane, state in _states(held).items()
-        if (before[plane], state) in {(MOVED, FIT), (MISSING, MOVED)}
+        if (before.get(plane), state) in {(MOVED, FIT), (MISSING, MOVED)}
     }
     found, arrives = _kept_feasible(problem, start, optimum(problem, held), near)
     if arrives and wanted.items() <= _states(found).items():
