@@ -23,12 +23,13 @@ from situgraph.view.charts import (
     name_series,
     nothing,
 )
-from situgraph.view.lettering import number, percent, plain
+from situgraph.view.lettering import number, percent, plain, width
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+LONGEST_NAME, NAME_SIZE = 64, 8.5  # letters, points: of a case beside its bar
 _OUTCOMES = {
     "right": palette.GOOD, "unique": palette.GOOD, "ambiguous": palette.MATCH[1],
     "none": palette.UNEXPLAINED, "never": palette.UNEXPLAINED, "wrong": palette.MOVED,
@@ -149,8 +150,10 @@ def draw_outcomes(cases: Mapping[str, Mapping[str, float]], *, title: str) -> Fi
     kinds = [k for k in _OUTCOMES if any(k in counts for counts in cases.values())]
     total = sum(v for counts in cases.values() for k, v in counts.items() if k in kinds)
     height = max(0.34 * len(cases), 0.5)
-    figure, (axes,) = chart(title, f"{number(total)} runs", size=(6.4, height))
-    for i, (case, counts) in enumerate(cases.items()):
+    names = [plain(case, LONGEST_NAME) for case in cases]
+    margin = max((width(name, NAME_SIZE) for name in names), default=0.0) / 72 + 0.2  # inches
+    figure, (axes,) = chart(title, f"{number(total)} runs", size=(3.6 + margin, height))
+    for i, (name, counts) in enumerate(zip(names, cases.values())):
         every = sum(counts.get(k, 0.0) for k in kinds) or 1.0
         start = 0.0
         for kind in kinds:
@@ -160,14 +163,13 @@ def draw_outcomes(cases: Mapping[str, Mapping[str, float]], *, title: str) -> Fi
                 axes.text(start + 0.5 * share, i, percent(round(share, 3)), ha="center",
                           va="center", fontsize=7.5, color=palette.PAPER)  # fmt: skip
             start += share
-        axes.text(-0.01, i, plain(case, 40), ha="right", va="center", fontsize=8.5,
+        axes.text(-0.01, i, name, ha="right", va="center", fontsize=NAME_SIZE,
                   color=palette.INK, parse_math=False)  # fmt: skip
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(max(len(cases), 1) - 0.5, -0.5)
     axes.set_axis_off()
-    longest = max((len(plain(c, 40)) for c in cases), default=0)
     place = axes.get_position()
-    left = min(0.07 * longest + 0.35, 3.2) / figure.get_figwidth()
+    left = margin / figure.get_figwidth()
     axes.set_position((left, place.y0, place.x1 - left, place.height))
     name_series(figure, [(k, _OUTCOMES[k]) for k in kinds])
     return figure
