@@ -21,7 +21,7 @@ from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
 from situgraph.geometry.poses import Placement
 from situgraph.judging import RIGHT_ANGLE, RIGHT_DISTANCE, apart
-from situgraph.matching import MatchingConfig, PlanIndex, match
+from situgraph.matching import PlanIndex, match
 from situgraph.matching.matcher import Semantics
 from situgraph.objects.network import NetworkDetector
 from situgraph.objects.stage import ObjectStage
@@ -39,7 +39,6 @@ ROOMS = 6
 SEEDS = {"simulation": (2, 10), "sampler": (10, 100)}  # default, full
 POLICIES: tuple[Semantics, ...] = get_args(Semantics)
 DOORWAYS = "doorways only"
-SAMPLED = "sampled detector"
 WITH_OBJECTS: tuple[Semantics, ...] = ("containment", "likelihood")
 # The paper's table I (s), a line a plan; what is left out there is no valid match.
 PAPER_SEMANTIC = (
@@ -72,22 +71,18 @@ def run(options: RunOptions) -> ExperimentResult:
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What was known after ``seconds``: the rooms in the order of their detection.
-
-    By detector the graph, and how it is matched with the plan.
-    """
+    """What was known after ``seconds``: rooms in the order of detection, graphs by detector."""
 
     seconds: float
     order: Sequence[str]
     graphs: Mapping[str, SceneGraph]
-    configs: Mapping[str, MatchingConfig]
     truth: Placement
 
 
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One plan, one drive: the time of each cell by policy and detector."""
     prior = six_rooms(task["rooms"])
-    index = PlanIndex(prior)
+    index, configs = PlanIndex(prior), {DOORWAYS: as_passed(Settings())}
     moments = _sampled(prior, task) if task["source"] == "sampler" else driven(prior, task["seed"])
     cells: dict[str, dict[str, float | None]] = {}
     wrong: dict[str, int] = {}
@@ -97,7 +92,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
         for count in range(1, rooms + 1):
             detected.setdefault(count, moment.seconds)
         for name, policy, detector in _cases(moment.graphs):
-            graph, config = moment.graphs[detector], moment.configs[detector]
+            graph, config = moment.graphs[detector], configs.get(detector)
             for count in range(1, min(rooms, task["rooms"]) + 1):
                 cell = cells.setdefault(name, {})
                 if cell.setdefault(str(count), None) is not None:
@@ -162,7 +157,6 @@ def driven(prior: SceneGraph, seed: int) -> Iterator[Moment]:
     stages = Stages([NetworkDetector(), oracle_of(drive.truth, seed)])
     names = [s.detector.name for s in stages.all if s.detector is not None]
     blind = ObjectStage(None)
-    configs = dict.fromkeys(names, MatchingConfig()) | {DOORWAYS: as_passed(Settings())}
     info = drive.info
     system = Pipeline(
         detector=stages.all[0].detector,
@@ -184,7 +178,7 @@ def driven(prior: SceneGraph, seed: int) -> Iterator[Moment]:
         graphs[DOORWAYS] = blind.annotated(*seen)
         if order:
             passed = message.stamp - info.start
-            yield Moment(passed, tuple(order), graphs, configs, drive.truth.building_T_map)
+            yield Moment(passed, tuple(order), graphs, drive.truth.building_T_map)
 
 
 def _sampled(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
@@ -194,8 +188,8 @@ def _sampled(prior: SceneGraph, task: Mapping[str, Any]) -> Iterator[Moment]:
     for count in range(1, len(whole.truth.order) + 1):
         part = first_rooms(whole, prior, count)
         truth = part.truth
-        graphs, configs = {SAMPLED: part.online}, {SAMPLED: MatchingConfig()}
-        yield Moment(truth.walked[-1], truth.order, graphs, configs, truth.placement)
+        graphs = {"sampled detector": part.online}
+        yield Moment(truth.walked[-1], truth.order, graphs, truth.placement)
 
 
 def paper() -> dict[str, dict[str, int | None]]:

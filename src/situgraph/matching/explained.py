@@ -15,11 +15,10 @@ from situgraph.matching.assignment import assign_planes
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import plane_allowed
 from situgraph.matching.plain import COS, SIN, may_plain, plain_pair
-from situgraph.matching.slack import give, wrapped
-from situgraph.matching.strands import MANY, has_strands, list_rows
+from situgraph.matching.slack import SLACK, give, wrapped
+from situgraph.matching.strands import MANY, row_at, rows_near
 from situgraph.matching.tables import FIT, MISSING, MOVED, WORK
 
-SLACK = 1e-9  # equality at a limit
 MOST_STEPS = 1_000  # of a search among the counterparts of all planes at once
 FORCE = 1e6  # by which a plane is kept from what does not fit
 MOST_TOGETHER = 8  # planes of a room of which that is tried
@@ -39,14 +38,11 @@ def may_explain(case, r, a, yaw, x, y, slack):
     fits, crossed = 0, False
     begin, end = seen.first[r], seen.first[r + 1]
     allowed = 0 if seen.strict[r] else 1
-    sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
     for i in range(begin, end):
         near, fit = False, False
-        if sorted_:
-            turn, reach = limits.angle + slack.turn + SLACK, limits.moved + SLACK
-            rows = list_rows(case, a, i, yaw, x, y, turn, reach, slack)
+        top, rows = rows_near(case, a, i, yaw, x, y, limits.moved, slack)
         for c in range(rows):
-            j = case.bench.close[c] if sorted_ else plan.first[a] + c
+            j = row_at(case, top, c)
             bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
             if abs(bend) > limits.angle + slack.turn + SLACK:
                 continue
@@ -91,12 +87,9 @@ def _any_crossed(case, r, a, yaw, x, y, slack):
 @part
 def _may_fit(case, i, a, yaw, x, y, slack):
     seen, plan, limits = case.seen, case.plan, case.limits
-    sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
-    if sorted_:
-        turn, reach = limits.angle + slack.turn + SLACK, limits.fit + SLACK
-        rows = list_rows(case, a, i, yaw, x, y, turn, reach, slack)
+    top, rows = rows_near(case, a, i, yaw, x, y, limits.fit, slack)
     for c in range(rows):
-        j = case.bench.close[c] if sorted_ else plan.first[a] + c
+        j = row_at(case, top, c)
         bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
         if abs(bend) > limits.angle + slack.turn + SLACK:
             continue
@@ -152,13 +145,10 @@ def _counterparts(case, plane, i, a, yaw, x, y, slack, strict):
     """List the prior planes that plane ``i`` can correspond to, the likeliest first."""
     seen, plan, limits = case.seen, case.plan, case.limits
     count = 0
-    sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
-    if sorted_:
-        turn, reach = limits.angle + slack.turn + SLACK, limits.moved + SLACK
-        rows = list_rows(case, a, plane, yaw, x, y, turn, reach, slack)
+    top, rows = rows_near(case, a, plane, yaw, x, y, limits.moved, slack)
     case.found.count[WORK] += rows
     for c in range(rows):
-        j = case.bench.close[c] if sorted_ else plan.first[a] + c
+        j = row_at(case, top, c)
         bend = wrapped(seen.angle[plane] + yaw - plan.row[j, 3])
         if abs(bend) > limits.angle + slack.turn + SLACK:
             continue

@@ -27,10 +27,10 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import SLACK
 from situgraph.matching.hypotheses import next_pair_box, next_plain_box
 from situgraph.matching.plain import QUARTER, plain_pair
 from situgraph.matching.records import scratch
+from situgraph.matching.slack import SLACK
 from situgraph.matching.tables import MAPPED, WORK
 
 REACH = 1.0  # metres by which the centre may lie elsewhere in a box

@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.explained import SLACK
-from situgraph.matching.slack import wrapped
-from situgraph.matching.strands import has_strands, list_rows
+from situgraph.matching.slack import SLACK, wrapped
+from situgraph.matching.strands import row_at, rows_near
 
 
 @part
@@ -29,16 +28,13 @@ def plane_spans(case, r, a, yaw, x, y, slack):
         case.spans,
     )
     begin = seen.first[r]
-    sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
     for i in range(begin, seen.first[r + 1]):
         k = i - begin
         spans.kind[k] = 0
         spans.turn_low[k], spans.turn_high[k] = math.inf, -math.inf
-        if sorted_:
-            wide, far = limits.angle + slack.turn + SLACK, limits.fit + SLACK
-            rows = list_rows(case, a, i, yaw, x, y, wide, far, slack)
+        top, rows = rows_near(case, a, i, yaw, x, y, limits.fit, slack)
         for c in range(rows):
-            j = case.bench.close[c] if sorted_ else plan.first[a] + c
+            j = row_at(case, top, c)
             bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
             if abs(bend) > limits.angle + slack.turn + SLACK:
                 continue

@@ -22,7 +22,7 @@ from situgraph.matching.boxes import (
     slack_of,
 )
 from situgraph.matching.compiled import part
-from situgraph.matching.explained import SLACK, explain, may_explain
+from situgraph.matching.explained import explain, may_explain
 from situgraph.matching.plain import (
     BASE,
     COS,
@@ -37,7 +37,7 @@ from situgraph.matching.plain import (
     plain_places,
 )
 from situgraph.matching.records import scratch
-from situgraph.matching.slack import no_slack, wrapped
+from situgraph.matching.slack import SLACK, no_slack, wrapped
 from situgraph.matching.tables import WORK
 
 MOST_CROSSED = 8  # pairs of planes of a room that are all tried

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.optimum import solve
+from situgraph.matching.optimum import arm_of, offset_of, solve
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MOVED
 
@@ -28,28 +28,16 @@ def measure_margins(case, at, margin):
         a = view.room[r]
         if a < 0:
             continue
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        x, y = at[1] + c * cx - s * cy, at[2] + s * cx + c * cy
-        margin[2] = max(margin[2], math.hypot(cx, cy))
+        ax, ay = arm_of(seen, r, c, s)
+        margin[2] = max(margin[2], math.hypot(ax, ay))
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(plan.first[a], plan.first[a + 1]):
                 bend = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
                 margin[1] = min(margin[1], abs(bend - limits.angle))
                 if bend > limits.angle:
                     continue
-                reach = plan.row[j, 0] * x + plan.row[j, 1] * y + plan.row[j, 2]
-                off = abs(seen.distance[i] - reach)
+                off = abs(offset_of(case, i, j, at[1] + ax, at[2] + ay))
                 margin[0] = min(margin[0], abs(off - limits.fit), abs(off - limits.moved))
-
-
-@part
-def offset_at(case, at, r, i, j):
-    """By how much plane ``i`` of room ``r`` is off from prior row ``j``."""
-    seen, plan = case.seen, case.plan
-    c, s = math.cos(at[0]), math.sin(at[0])
-    cx, cy = seen.center[r, 0], seen.center[r, 1]
-    x, y = at[1] + c * cx - s * cy, at[2] + s * cx + c * cy
-    return seen.distance[i] - (plan.row[j, 0] * x + plan.row[j, 1] * y + plan.row[j, 2])
 
 
 @part
@@ -57,10 +45,11 @@ def nearly_moved(case, at, r, i):
     """The wall nearest by of those just beyond where missing plane ``i`` would be moved, or -1."""
     seen, plan, limits, a = case.seen, case.plan, case.limits, case.one.room[r]
     nearest, found = limits.moved + limits.fit, -1
+    ax, ay = arm_of(seen, r, math.cos(at[0]), math.sin(at[0]))
     for j in range(plan.first[a], plan.first[a + 1]):
         if abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3])) > limits.angle:
             continue
-        off = abs(offset_at(case, at, r, i, j))
+        off = abs(offset_of(case, i, j, at[1] + ax, at[2] + ay))
         if limits.moved < off < nearest:
             nearest, found = off, j
     return found
@@ -74,13 +63,12 @@ def stays_low(case, at, r, i, j, system, margin, spared, step):
     prior row.
     """
     view, seen, plan, limits, tally = case.one, case.seen, case.plan, case.limits, case.tally
-    p, state, offset = seen.plane[i], view.state[i], offset_at(case, at, r, i, j)
+    p, state = seen.plane[i], view.state[i]
     if tally.sums[p, 0] + tally.sums[p, 3] + tally.missing[p] != 1:
         return False
-    c, s = math.cos(at[0]), math.sin(at[0])
-    cx, cy = seen.center[r, 0], seen.center[r, 1]
+    ax, ay = arm_of(seen, r, math.cos(at[0]), math.sin(at[0]))
     nx, ny = plan.row[j, 0], plan.row[j, 1]
-    turn = ny * (c * cx - s * cy) - nx * (s * cx + c * cy)
+    turn, offset = ny * ax - nx * ay, offset_of(case, i, j, at[1] + ax, at[2] + ay)
     if not solve(system, turn, nx, ny, step):
         return False
     weight, worth = limits.plane_weight, limits.fit_peak - limits.moved_base
@@ -119,8 +107,7 @@ def _keeps_states(case, at, step, changed, row):
         a = view.room[r]
         if a < 0:
             continue
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        ax, ay = c * cx - s * cy, s * cx + c * cy
+        ax, ay = arm_of(seen, r, c, s)
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(plan.first[a], plan.first[a + 1]):
                 if i == changed and j == row:
@@ -132,7 +119,7 @@ def _keeps_states(case, at, step, changed, row):
                 if not near:
                     continue
                 nx, ny = plan.row[j, 0], plan.row[j, 1]
-                off = seen.distance[i] - (nx * (at[1] + ax) + ny * (at[2] + ay) + plan.row[j, 2])
+                off = offset_of(case, i, j, at[1] + ax, at[2] + ay)
                 then = abs(off - nx * step[1] - ny * step[2] - (ny * ax - nx * ay) * step[0])
                 off = abs(off)
                 if (off <= limits.fit) != (then <= limits.fit):

@@ -8,15 +8,28 @@ import math
 
 from situgraph.matching.compiled import part
 from situgraph.matching.records import scratch
-from situgraph.matching.slack import wrapped
+from situgraph.matching.slack import SLACK, wrapped
 from situgraph.matching.tables import FIT, MOVED
 from situgraph.matching.views import tally_planes
 
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
 MOST_HELD = 3  # planes at once: a placement has no more freedom
-SLACK = 1e-9  # metres
 STIFF = 1e6  # times the weight of a plane that is held
+
+
+@part
+def arm_of(seen, r, c, s):
+    """From the mean room centre to that of room ``r``, turned by a yaw of this cosine and sine."""
+    cx, cy = seen.center[r, 0], seen.center[r, 1]
+    return c * cx - s * cy, s * cx + c * cy
+
+
+@part
+def offset_of(case, i, j, x, y):
+    """By how much plane ``i`` is off from prior row ``j`` when its room's centre is at (x, y)."""
+    row = case.plan.row
+    return case.seen.distance[i] - (row[j, 0] * x + row[j, 1] * y + row[j, 2])
 
 
 @part
@@ -41,14 +54,13 @@ def slide(case, at, inside, out):
 @part
 def _most_over(case, view, goal):
     """The plane at a limit that would be farthest over it at ``goal``, -1 for none."""
-    seen, plan, limits = case.seen, case.plan, case.limits
+    seen, limits = case.seen, case.limits
     worst, most = -1, SLACK
     c, s = math.cos(goal[0]), math.sin(goal[0])
     for r in range(len(view.room)):
         if view.room[r] < 0:
             continue
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        x, y = goal[1] + c * cx - s * cy, goal[2] + s * cx + c * cy
+        ax, ay = arm_of(seen, r, c, s)
         for i in range(seen.first[r], seen.first[r + 1]):
             state, j = view.state[i], view.row[i]
             stop = limits.fit if state == FIT else limits.moved
@@ -58,9 +70,9 @@ def _most_over(case, view, goal):
                 or (stop - abs(view.offset[i]) >= AT_LIMIT)
             ):
                 continue
-            off = seen.distance[i] - (plan.row[j, 0] * x + plan.row[j, 1] * y + plan.row[j, 2])
-            if abs(off) - stop > most:
-                worst, most = i, abs(off) - stop
+            over = abs(offset_of(case, i, j, goal[1] + ax, goal[2] + ay)) - stop
+            if over > most:
+                worst, most = i, over
     return worst
 
 
@@ -100,8 +112,7 @@ def pull_of(case, view, yaw, x, y, inside, system):
     for r in range(len(view.room)):
         if view.room[r] < 0:
             continue
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        ax, ay = c * cx - s * cy, s * cx + c * cy
+        ax, ay = arm_of(seen, r, c, s)
         for i in range(seen.first[r], seen.first[r + 1]):
             state, p, j = view.state[i], seen.plane[i], view.row[i]
             fit, stop = state == FIT, limits.fit if state == FIT else limits.moved
@@ -116,7 +127,7 @@ def pull_of(case, view, yaw, x, y, inside, system):
             if not (fit or stiff):
                 continue
             nx, ny = plan.row[j, 0], plan.row[j, 1]
-            off = seen.distance[i] - (nx * (x + ax) + ny * (y + ay) + plan.row[j, 2])
+            off = offset_of(case, i, j, x + ax, y + ay)
             if stiff:
                 weight = limits.plane_weight * STIFF
                 off -= math.copysign(stop - inside, view.offset[i])

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.leverage import measure_margins, nearly_moved, offset_at, stays_low
-from situgraph.matching.optimum import optimum, pull_of, slide
+from situgraph.matching.leverage import measure_margins, nearly_moved, stays_low
+from situgraph.matching.optimum import arm_of, offset_of, optimum, pull_of, slide
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MISSING, MOVED, PEAKS
@@ -157,7 +157,8 @@ def _changed(case, at, r, i, j, free, goal, tried):
     """
     view, state, arrives = case.one, case.one.state[i], False
     if state == MISSING:
-        view.row[i], view.offset[i] = j, offset_at(case, at, r, i, j)
+        ax, ay = arm_of(case.seen, r, math.cos(at[0]), math.sin(at[0]))
+        view.row[i], view.offset[i] = j, offset_of(case, i, j, at[1] + ax, at[2] + ay)
     view.state[i] = FIT if state == MOVED else MOVED
     if state != MISSING:
         optimum(case, view, at, 0.0, goal)

@@ -21,6 +21,7 @@ import numpy as np
 from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.records import record_at
+from situgraph.matching.slack import SLACK
 from situgraph.matching.tables import Floats, Ints, Table
 
 BASE, LOW, HIGH, SIDE, COS, SIN, CX, CY = 0, 1, 2, 3, 7, 8, 9, 10
@@ -28,7 +29,6 @@ SEEN_COLUMNS, PLAN_COLUMNS = 7, 11
 EXACT = 1e-6  # rad; of a plan's room, that is plain when its planes are as square as this
 QUARTER = math.pi / 2
 JOINED = 0.3  # half width of an interval that is put together of two, at most, metres
-SLACK = 1e-9  # equality at a limit
 
 
 class Squaring(NamedTuple):

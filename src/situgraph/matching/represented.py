@@ -18,12 +18,12 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.explained import SLACK, may_explain
+from situgraph.matching.explained import may_explain
 from situgraph.matching.lookup import find
 from situgraph.matching.peaks import same_place
 from situgraph.matching.records import scratch
-from situgraph.matching.slack import give, wrapped
-from situgraph.matching.strands import has_strands, list_rows
+from situgraph.matching.slack import SLACK, give, wrapped
+from situgraph.matching.strands import row_at, rows_near
 from situgraph.matching.tables import PEAKS, WORK
 
 TIE = 1e-6  # of L, which rounding may decide
@@ -126,13 +126,10 @@ def _represented(case, box, at):
                 continue
             if not may_explain(case, r, a, box[YAW], x, y, slack):
                 continue
-            sorted_, rows = has_strands(plan, a), plan.first[a + 1] - plan.first[a]
             for i in range(seen.first[r], seen.first[r + 1]):
-                if sorted_:
-                    turn, reach = limits.angle + box[TURN] + SLACK, limits.fit + SLACK
-                    rows = list_rows(case, a, i, box[YAW], x, y, turn, reach, slack)
+                top, rows = rows_near(case, a, i, box[YAW], x, y, limits.fit, slack)
                 for m in range(rows):
-                    j = case.bench.close[m] if sorted_ else plan.first[a] + m
+                    j = row_at(case, top, m)
                     bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])
                     if abs(bend) > limits.angle + box[TURN] + SLACK:
                         continue

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 from situgraph.matching.compiled import part
 
+SLACK = 1e-9  # equality at a limit
+
 
 class Slack(NamedTuple):
     """What may change inside a box of placements, as one room sees it."""

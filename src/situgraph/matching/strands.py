@@ -15,7 +15,7 @@ import numpy as np
 
 from situgraph.matching.compiled import part
 from situgraph.matching.plain import CX, CY
-from situgraph.matching.slack import give, wrapped
+from situgraph.matching.slack import SLACK, give, wrapped
 from situgraph.matching.tables import WORK, Floats, Ints
 
 MANY = 16  # walls of a room, from which on they are sorted
@@ -50,19 +50,29 @@ def strands_of(first: Ints, row: Floats, distance: Floats) -> tuple[Ints | Float
 
 
 @part
-def has_strands(plan, a):
-    """Whether the walls of prior room ``a`` are sorted."""
-    return plan.strand_first[a + 1] > plan.strand_first[a]
+def rows_near(case, a, i, yaw, x, y, far, slack):
+    """The rows of prior room ``a`` to hold plane ``i`` against: where they begin, and how many.
+
+    All of the room; of one that has strands those only whose direction can be that of the plane,
+    turned by ``yaw``, and whose offset, seen from ``(x, y)``, can differ by no more than ``far``,
+    and a few more. Those are listed apart, and begin at -1 (``row_at``).
+    """
+    plan, limits = case.plan, case.limits
+    if plan.strand_first[a + 1] == plan.strand_first[a]:
+        return plan.first[a], plan.first[a + 1] - plan.first[a]
+    turn = limits.angle + slack.turn + SLACK
+    return -1, _list_rows(case, a, i, yaw, x, y, turn, far + SLACK, slack)
 
 
 @part
-def list_rows(case, a, i, yaw, x, y, turn, reach, slack):
-    """List in ``bench.close`` the rows of ``a``, which has strands, that plane ``i`` may be near.
+def row_at(case, begin, c):
+    """The ``c``-th of those rows."""
+    return begin + c if begin >= 0 else case.bench.close[c]
 
-    All whose direction is within ``turn`` of the plane's, turned by ``yaw``, and whose offset, seen
-    from ``(x, y)``, differs from the plane's by no more than ``reach`` and what ``slack`` gives;
-    and a few more. Returns how many.
-    """
+
+@part
+def _list_rows(case, a, i, yaw, x, y, turn, reach, slack):
+    """List such rows of a room that has strands in ``bench.close``; returns how many."""
     seen, plan, close = case.seen, case.plan, case.bench.close
     begin, end = plan.strand_first[a], plan.strand_first[a + 1]
     low = wrapped(seen.angle[i] + yaw - turn - SPREAD)
