@@ -10,6 +10,7 @@ from situgraph.matching.compiled import part
 from situgraph.matching.optimum import arm_of, offset_of, solve
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MOVED
+from situgraph.matching.views import one_wall
 
 LEAST_REST = 1e-3  # share of what a plane says that others say as well, to go by its leverage
 LEAST_EASE = 1e-9  # square metres by which a plane gives way to one unit of L
@@ -19,9 +20,10 @@ LEAST_EASE = 1e-9  # square metres by which a plane gives way to one unit of L
 def measure_margins(case, at, margin):
     """The least change of an offset, and of an angle, by which a plane fits, is moved or missing.
 
-    Third the longest lever arm. Of rooms that are explained, with the planes of their prior rooms.
+    Third the longest lever arm. Of rooms that are explained in ``case.root``, the view at ``at``,
+    with the planes of their prior rooms.
     """
-    view, seen, plan, limits = case.one, case.seen, case.plan, case.limits
+    view, seen, plan, limits = case.root, case.seen, case.plan, case.limits
     margin[0], margin[1], margin[2] = math.inf, math.inf, 0.0
     c, s = math.cos(at[0]), math.sin(at[0])
     for r in range(len(view.room)):
@@ -56,23 +58,19 @@ def nearly_moved(case, at, r, i):
 
 
 @part
-def stays_low(case, at, r, i, j, system, margin, spared, step):
+def stays_low(case, at, r, i, j, system, margin, step):
     """Whether letting plane ``i`` go, holding it or not missing it leads no higher than the peak.
 
-    That follows from its leverage, unless another plane changes its state on the way. ``j`` is its
-    prior row.
+    That is at ``at``, an optimum. It follows from the plane's leverage, unless another plane
+    changes its state on the way. ``j`` is its prior row.
     """
-    view, seen, plan, limits, tally = case.one, case.seen, case.plan, case.limits, case.tally
-    p, state = seen.plane[i], view.state[i]
-    if tally.sums[p, 0] + tally.sums[p, 3] + tally.missing[p] != 1:
+    view, limits = case.one, case.limits
+    state = view.state[i]
+    if not _by_itself(case, i):
         return False
-    ax, ay = arm_of(seen, r, math.cos(at[0]), math.sin(at[0]))
-    nx, ny = plan.row[j, 0], plan.row[j, 1]
-    turn, offset = ny * ax - nx * ay, offset_of(case, i, j, at[1] + ax, at[2] + ay)
-    if not solve(system, turn, nx, ny, step):
-        return False
+    offset, ease = _lever(case, at, r, i, j, system, step)
     weight, worth = limits.plane_weight, limits.fit_peak - limits.moved_base
-    off, ease = abs(offset), turn * step[0] + nx * step[1] + ny * step[2]
+    off, spared = abs(offset), _most_spared(case, j)
     if state == FIT:
         rest = 1.0 - weight * ease
         if rest < LEAST_REST or weight * off * off / rest > worth - spared:
@@ -89,19 +87,97 @@ def stays_low(case, at, r, i, j, system, margin, spared, step):
     push *= math.copysign(1.0, offset)
     for k in range(3):
         step[k] *= push
-    swing, shift = abs(step[0]), abs(step[1]) + abs(step[2])
-    if swing < margin[1] and shift + swing * margin[2] < margin[0]:
-        return True
-    return _keeps_states(case, at, step, i, j)
+    return _within(step, margin) or _keeps_states(case, at, step, i, j)
+
+
+@part
+def leads_back(case, at, r, i, system, margin, far, step):
+    """Whether plane ``i``, which fits, once let go leads to a placement whose view is the root.
+
+    And no farther than ``far`` from ``at``, which is the optimum with all planes.
+    """
+    j, weight = case.one.row[i], case.limits.plane_weight
+    if not _by_itself(case, i):
+        return False
+    offset, ease = _lever(case, at, r, i, j, system, step)
+    rest = 1.0 - weight * ease
+    if rest < LEAST_REST:
+        return False
+    for k in range(3):
+        step[k] *= -weight * offset / rest
+    if _span(step, margin) > far:
+        return False
+    return _within(step, margin) or _keeps_states(case, at, step, -1, -1)
+
+
+@part
+def far_apart(case, fall, margin, step):
+    """How far a step from the root may lead, at most, to where L is not ``fall`` higher than there.
+
+    It is lower by what walls say one by one; but walls that moved as one may say more there.
+    """
+    limits, moved = case.limits, 0
+    for i in range(len(case.root.state)):
+        moved += case.root.state[i] == MOVED
+    likeliest = limits.together + limits.alone
+    if moved < 2 or likeliest <= 1.0:
+        return math.inf
+    # Of what one pair says, where it says anything.
+    steepest = 2.0 * math.sqrt(limits.apart_weight * math.log(limits.together / (1 - limits.alone)))
+    return fall / (steepest * 2.0 * (moved - 1)) - _span(step, margin)
+
+
+@part
+def _by_itself(case, i):
+    """Whether row ``i`` is the only one of its plane."""
+    tally, p = case.tally, case.seen.plane[i]
+    return tally.sums[p, 0] + tally.sums[p, 3] + tally.missing[p] == 1
+
+
+@part
+def _lever(case, at, r, i, j, system, step):
+    """How far plane ``i`` is off, and by how much it gives way to one unit of pull.
+
+    Into ``step`` goes the step to which that pull leads.
+    """
+    ax, ay = arm_of(case.seen, r, math.cos(at[0]), math.sin(at[0]))
+    nx, ny = case.plan.row[j, 0], case.plan.row[j, 1]
+    turn = ny * ax - nx * ay
+    if not solve(system, turn, nx, ny, step):
+        return 0.0, math.inf
+    offset = offset_of(case, i, j, at[1] + ax, at[2] + ay)
+    return offset, turn * step[0] + nx * step[1] + ny * step[2]
+
+
+@part
+def _most_spared(case, j):
+    """What a plane with the prior row ``j`` spares at most when it moves: its wall has moved."""
+    view, limits = case.one, case.limits
+    for i in range(len(view.state)):
+        if view.state[i] == MOVED and one_wall(case, view.row[i], j):
+            return max(0.0, math.log(limits.together + limits.alone))
+    return 0.0
+
+
+@part
+def _span(step, margin):
+    """By how much a step changes an offset, at most."""
+    return abs(step[1]) + abs(step[2]) + abs(step[0]) * margin[2]
+
+
+@part
+def _within(step, margin):
+    """Whether no plane can change its state on a step."""
+    return abs(step[0]) < margin[1] and _span(step, margin) < margin[0]
 
 
 @part
 def _keeps_states(case, at, step, changed, row):
     """Whether all planes but the one that is changed stay within their limits on a step, or beyond.
 
-    Those of rooms that are explained, towards each plane of their prior rooms.
+    Those of rooms that are explained in the root, towards each plane of their prior rooms.
     """
-    view, seen, plan, limits = case.one, case.seen, case.plan, case.limits
+    view, seen, plan, limits = case.root, case.seen, case.plan, case.limits
     c, s = math.cos(at[0]), math.sin(at[0])
     for r in range(len(view.room)):
         a = view.room[r]

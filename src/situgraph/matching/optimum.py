@@ -10,12 +10,13 @@ from situgraph.matching.compiled import part
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import SLACK, wrapped
 from situgraph.matching.tables import FIT, MOVED
-from situgraph.matching.views import tally_planes
+from situgraph.matching.views import count_planes
 
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
 MOST_HELD = 3  # planes at once: a placement has no more freedom
 STIFF = 1e6  # times the weight of a plane that is held
+SUMS = 16  # over the planes, of which all pulls are made
 
 
 @part
@@ -80,35 +81,38 @@ def _most_over(case, view, goal):
 def optimum(case, spot, at, inside, out):
     """Into ``out`` the placement (yaw, x, y) of the largest L for the correspondences in ``spot``.
 
-    Planes that are held stay so far ``inside`` of their limits.
+    That must be the view at ``at``. Planes that are held stay so far ``inside`` of their limits.
     """
-    tally_planes(case, spot)
-    yaw, x, y = at[0], at[1], at[2]
-    system, step = scratch(9), scratch(3)
+    sums, system, step = scratch(SUMS), scratch(9), scratch(3)
+    sum_pulls(case, spot, at, inside, sums)
+    turn, x, y = 0.0, 0.0, 0.0
     for _ in range(STEPS):
-        pull_of(case, spot, yaw, x, y, inside, system)
+        pull_of(sums, turn, x, y, system)
         if not solve(system, system[6], system[7], system[8], step):
             break
-        yaw -= step[0]
+        turn -= step[0]
         x -= step[1]
         y -= step[2]
         if abs(step[0]) + abs(step[1]) + abs(step[2]) < 1e-12:
             break
-    out[0] = wrapped(yaw)
-    out[1] = x
-    out[2] = y
+    out[0] = wrapped(at[0] + turn)
+    out[1] = at[1] + x
+    out[2] = at[2] + y
 
 
 @part
-def pull_of(case, view, yaw, x, y, inside, system):
-    """How the planes pull at a placement: the symmetric matrix (upper half), then the slope (3).
+def sum_pulls(case, spot, at, inside, sums):
+    """What each placement's ``pull_of`` is made of: weighted sums of products over the planes.
 
-    Of half of what is subtracted from L, along (yaw, x, y).
+    A plane's offset is linear in what a step changes, ``o - x nx - y ny - (cos - 1) f - sin t``:
+    from its room's centre, turned as ``at`` is, ``f`` leads along its normal and ``t`` across.
     """
+    view = spot
     seen, plan, limits, tally = case.seen, case.plan, case.limits, case.tally
-    c, s = math.cos(yaw), math.sin(yaw)
-    for k in range(9):
-        system[k] = 0.0
+    count_planes(case, spot)
+    c, s = math.cos(at[0]), math.sin(at[0])
+    for k in range(SUMS):
+        sums[k] = 0.0
     for r in range(len(view.room)):
         if view.room[r] < 0:
             continue
@@ -120,29 +124,53 @@ def pull_of(case, view, yaw, x, y, inside, system):
                 continue
             stiff = tally.held[i] == 1
             if fit or tally.sums[p, 0] == 0:
-                bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
                 weight = limits.angle_weight / tally.sums[p, 0 if fit else 3]
-                system[0] += weight
-                system[6] += weight * bend
+                sums[14] += weight
+                sums[15] += weight * view.bend[i]
             if not (fit or stiff):
                 continue
-            nx, ny = plan.row[j, 0], plan.row[j, 1]
-            off = offset_of(case, i, j, x + ax, y + ay)
+            o, weight = view.offset[i], limits.plane_weight
             if stiff:
-                weight = limits.plane_weight * STIFF
-                off -= math.copysign(stop - inside, view.offset[i])
+                weight *= STIFF
+                o -= math.copysign(stop - inside, o)
             else:
-                weight = limits.plane_weight / tally.sums[p, 0]
-            turn = ny * ax - nx * ay
-            system[0] += weight * turn * turn
-            system[1] += weight * turn * nx
-            system[2] += weight * turn * ny
-            system[3] += weight * nx * nx
-            system[4] += weight * nx * ny
-            system[5] += weight * ny * ny
-            system[6] -= weight * turn * off
-            system[7] -= weight * nx * off
-            system[8] -= weight * ny * off
+                weight /= tally.sums[p, 0]
+            nx, ny = plan.row[j, 0], plan.row[j, 1]
+            f, t = nx * ax + ny * ay, ny * ax - nx * ay
+            wx, wy, wf, wt = weight * nx, weight * ny, weight * f, weight * t
+            sums[0] += wx * o
+            sums[1] += wy * o
+            sums[2] += wf * o
+            sums[3] += wt * o
+            sums[4] += wx * nx
+            sums[5] += wx * ny
+            sums[6] += wx * f
+            sums[7] += wx * t
+            sums[8] += wy * ny
+            sums[9] += wy * f
+            sums[10] += wy * t
+            sums[11] += wf * f
+            sums[12] += wf * t
+            sums[13] += wt * t
+
+
+@part
+def pull_of(sums, turn, x, y, system):
+    """How the planes pull a step away: the symmetric matrix (upper half), then the slope (3).
+
+    Of half of what is subtracted from L, along (yaw, x, y).
+    """
+    c, s = math.cos(turn), math.sin(turn)
+    c1 = c - 1.0
+    tx, ty = c * sums[7] - s * sums[6], c * sums[10] - s * sums[9]
+    tf, tt = c * sums[12] - s * sums[11], c * sums[13] - s * sums[12]
+    system[0] = sums[14] + c * tt - s * tf
+    system[1], system[2] = tx, ty
+    system[3], system[4], system[5] = sums[4], sums[5], sums[8]
+    system[6] = sums[15] + sums[14] * turn
+    system[6] -= c * sums[3] - s * sums[2] - x * tx - y * ty - c1 * tf - s * tt
+    system[7] = x * sums[4] + y * sums[5] + c1 * sums[6] + s * sums[7] - sums[0]
+    system[8] = x * sums[5] + y * sums[8] + c1 * sums[9] + s * sums[10] - sums[1]
 
 
 @part

@@ -10,12 +10,26 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
-from situgraph.matching.leverage import measure_margins, nearly_moved, stays_low
-from situgraph.matching.optimum import arm_of, offset_of, optimum, pull_of, slide
+from situgraph.matching.leverage import (
+    far_apart,
+    leads_back,
+    measure_margins,
+    nearly_moved,
+    stays_low,
+)
+from situgraph.matching.optimum import (
+    SUMS,
+    arm_of,
+    offset_of,
+    optimum,
+    pull_of,
+    slide,
+    sum_pulls,
+)
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MISSING, MOVED, PEAKS
-from situgraph.matching.views import copy_view, evidence, fixes, look, tally_planes
+from situgraph.matching.views import copy_view, count_planes, evidence, fixes, look
 
 ROUNDS = 30
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
@@ -60,7 +74,7 @@ def climb(case, at):
                 break
             continue
         height = value
-        stays = _same(case)
+        stays = _same(case.one, case.two)
         _part_way(tried, tried, 0.0, 0.0, at)
         copy_view(case.two, case.one)
         if stays and arrives and INSIDE[held] < INSIDE[-1]:
@@ -123,12 +137,16 @@ def rise(case, at, height):
 @part
 def _raise_once(case, at, height, goal, tried, top):
     """Note the higher peaks that one plane leads to; returns the largest L, reached at ``top``."""
-    view, seen, best = case.one, case.seen, height
-    free = _arrived(case, at, goal)
-    system, margin, step = scratch(9), scratch(3), scratch(3)
-    pull_of(case, view, at[0], at[1], at[2], 0.0, system)
-    measure_margins(case, at, margin)
-    spared = _most_spared(case)
+    view, seen, best, far = case.one, case.seen, height, -1.0
+    system, margin, step, origin = scratch(9), scratch(3), scratch(3), scratch(3)
+    copy_view(view, case.kept)
+    free = _find_origin(case, at, origin, system)
+    if free:
+        copy_view(view, case.root)
+        measure_margins(case, at, margin)
+    else:
+        far = _fall_back(case, height, origin, tried, margin, step)
+    count_planes(case, view)
     for r in range(len(view.room)):
         if view.room[r] < 0:
             continue
@@ -136,7 +154,10 @@ def _raise_once(case, at, height, goal, tried, top):
             j = view.row[i]
             if view.state[i] == MISSING:
                 j = nearly_moved(case, at, r, i)
-            if j < 0 or (free and stays_low(case, at, r, i, j, system, margin, spared, step)):
+            if j < 0 or (free and stays_low(case, at, r, i, j, system, margin, step)):
+                continue
+            falls = far > 0.0 and view.state[i] == FIT
+            if falls and leads_back(case, origin, r, i, system, margin, far, step):
                 continue
             value = _changed(case, at, r, i, j, free, goal, tried)
             if value > height + LEAST_GAIN:
@@ -144,8 +165,56 @@ def _raise_once(case, at, height, goal, tried, top):
                 if value > best:
                     best = value
                     _part_way(tried, tried, 0.0, 0.0, top)
-            tally_planes(case, view)
+            count_planes(case, view)
     return best
+
+
+@part
+def _find_origin(case, at, origin, system):
+    """Whether no limit stopped the climb to the peak: it is the optimum of its correspondences.
+
+    That is the origin. ``system`` is how the planes pull there.
+    """
+    optimum(case, case.one, at, 0.0, origin)
+    sums, step = scratch(SUMS), scratch(3)
+    free = _step_to(at, origin, step) < ARRIVED
+    if free:
+        _part_way(at, at, 0.0, 0.0, origin)
+        _step_to(at, at, step)
+    sum_pulls(case, case.one, at, 0.0, sums)
+    pull_of(sums, step[0], step[1], step[2], system)
+    return free
+
+
+@part
+def _step_to(one, two, out):
+    """The step from one placement to another, and the largest of what changes."""
+    turn, x, y = wrapped(two[0] - one[0]), two[1] - one[1], two[2] - one[2]
+    out[0], out[1], out[2] = turn, x, y
+    return max(abs(turn), abs(x), abs(y))
+
+
+@part
+def _fall_back(case, height, origin, tried, margin, step):
+    """Climb from the optimum of a peak's correspondences, over a limit, to one that is lower.
+
+    Returns how far from that optimum other placements of the same view may lie, which becomes
+    ``case.root``, so that from them it is climbed there as well, and to nothing higher than
+    ``height`` on the way. -1 where that is not so.
+    """
+    if not feasible(case, case.two, origin):
+        return -1.0
+    copy_view(case.two, case.root)
+    copy_view(case.two, case.one)
+    measure_margins(case, origin, margin)
+    _part_way(origin, origin, 0.0, 0.0, tried)
+    value = climb(case, tried)
+    stays = _same(case.one, case.root)
+    optimum(case, case.one, tried, 0.0, step)
+    stays = stays and _step_to(tried, step, step) < ARRIVED
+    _step_to(origin, tried, step)
+    copy_view(case.kept, case.one)
+    return far_apart(case, height - value, margin, step) if stays and value <= height else -1.0
 
 
 @part
@@ -159,6 +228,7 @@ def _changed(case, at, r, i, j, free, goal, tried):
     if state == MISSING:
         ax, ay = arm_of(case.seen, r, math.cos(at[0]), math.sin(at[0]))
         view.row[i], view.offset[i] = j, offset_of(case, i, j, at[1] + ax, at[2] + ay)
+        view.bend[i] = wrapped(case.seen.angle[i] + at[0] - case.plan.row[j, 3])
     view.state[i] = FIT if state == MOVED else MOVED
     if state != MISSING:
         optimum(case, view, at, 0.0, goal)
@@ -177,30 +247,12 @@ def _changed(case, at, r, i, j, free, goal, tried):
     if not arrives and not _last_feasible(case, at, goal, False, tried):
         return -math.inf
     # From where a limit stopped the climb, another way may lead on.
-    if free and _same(case):
+    if free and _same(case.one, case.two):
         return -math.inf
     copy_view(case.two, case.one)
     value = climb(case, tried)
-    feasible(case, case.one, at)
+    copy_view(case.kept, case.one)
     return value
-
-
-@part
-def _arrived(case, at, goal):
-    """Whether the peak is the optimum of its correspondences: no limit stopped the climb to it."""
-    optimum(case, case.one, at, 0.0, goal)
-    turn = abs(wrapped(goal[0] - at[0]))
-    return max(turn, abs(goal[1] - at[1]), abs(goal[2] - at[2])) < ARRIVED
-
-
-@part
-def _most_spared(case):
-    """What a plane that is let go spares at most, as its wall has moved."""
-    view, limits = case.one, case.limits
-    for i in range(len(view.state)):
-        if view.state[i] == MOVED:
-            return max(0.0, math.log(limits.together + limits.alone))
-    return 0.0
 
 
 @part
@@ -214,7 +266,7 @@ def _last_feasible(case, at, goal, alike, tried):
     while high - low > SMALLEST_STEP:
         share = (low + high) / 2
         _part_way(at, goal, turn, share, tried)
-        if feasible(case, case.two, tried) and (not alike or _same(case)):
+        if feasible(case, case.two, tried) and (not alike or _same(case.one, case.two)):
             low = last = share
         else:
             high = share
@@ -232,9 +284,8 @@ def _part_way(at, goal, turn, share, out):
 
 
 @part
-def _same(case):
-    """Whether the two views hold the same correspondences in the same states."""
-    one, two = case.one, case.two
+def _same(one, two):
+    """Whether two views hold the same correspondences in the same states."""
     for r in range(len(one.room)):
         if one.room[r] != two.room[r]:
             return False

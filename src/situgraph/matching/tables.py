@@ -311,3 +311,5 @@ class Case(NamedTuple):
     ground: Ground
     one: View
     two: View
+    kept: View  # that of the peak that is climbed on from
+    root: View  # that from which it is counted what one plane changes (``leverage``)

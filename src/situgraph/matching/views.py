@@ -114,6 +114,24 @@ def copy_view(source, target):
 
 
 @part
+def count_planes(case, spot):
+    """Count the occurrences of each distinct plane by state, and no more."""
+    view = spot
+    seen, tally = case.seen, case.tally
+    for p in range(seen.planes):
+        tally.missing[p] = 0
+        tally.sums[p, 0] = tally.sums[p, 3] = 0.0
+    for i in range(len(view.state)):
+        p = seen.plane[i]
+        if view.state[i] == FIT:
+            tally.sums[p, 0] += 1
+        elif view.state[i] == MOVED:
+            tally.sums[p, 3] += 1
+        elif view.state[i] == MISSING:
+            tally.missing[p] += 1
+
+
+@part
 def tally_planes(case, spot):
     """Count the occurrences of each distinct plane by state, and sum their squared residuals."""
     view = spot
@@ -191,13 +209,20 @@ def _is_moved(tally, p):
 @part
 def _spared(case, p, q):
     """Ln of how much likelier moved plane ``p`` is beside moved plane ``q``; 0 unless one wall."""
-    plan, limits, tally = case.plan, case.limits, case.tally
-    one, two = plan.row[int(tally.sums[p, 6])], plan.row[int(tally.sums[q, 6])]
-    if abs(one[0] * two[1] - one[1] * two[0]) > PARALLEL:
-        return 0.0
-    side = 1.0 if one[0] * two[0] + one[1] * two[1] > 0 else -1.0
-    if abs(one[2] - side * two[2]) > limits.thickness:
+    limits, tally = case.limits, case.tally
+    side = one_wall(case, int(tally.sums[p, 6]), int(tally.sums[q, 6]))
+    if side == 0.0:
         return 0.0
     apart = tally.sums[p, 5] / tally.sums[p, 3] - side * tally.sums[q, 5] / tally.sums[q, 3]
     likelier = limits.together * math.exp(-apart * apart * limits.apart_weight) + limits.alone
     return math.log(likelier) if likelier > 1.0 else 0.0
+
+
+@part
+def one_wall(case, j, m):
+    """1 or -1 when two prior rows may be faces of one wall, of one side or of both; else 0."""
+    one, two = case.plan.row[j], case.plan.row[m]
+    if abs(one[0] * two[1] - one[1] * two[0]) > PARALLEL:
+        return 0.0
+    side = 1.0 if one[0] * two[0] + one[1] * two[1] > 0 else -1.0
+    return side if abs(one[2] - side * two[2]) <= case.limits.thickness else 0.0
