@@ -97,6 +97,7 @@ def add_peak(case, at, height):
         for k in range(3):
             peaks[count[PEAKS], k] = at[k]
         peaks[count[PEAKS], 3] = height
+        case.found.since[count[PEAKS]] = 0
     count[PEAKS] += 1
 
 

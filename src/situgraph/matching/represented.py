@@ -47,7 +47,7 @@ def known_peak(case, box):
         dx, dy = peaks[k, 1] - middle[1], peaks[k, 2] - middle[2]
         if dx * dx + dy * dy > reach * reach:
             continue
-        if _stands_for(case, k, box) and _others_stand(case, k, box):
+        if stands_for(case, k, box) and _others_stand(case, k, box):
             return k
     return -1
 
@@ -59,7 +59,7 @@ def _others_stand(case, k, box):
     for m in range(min(case.found.count[PEAKS], len(peaks))):
         if m == k or peaks[m, 3] < peaks[k, 3] - TIE or not same_place(case, peaks[k], peaks[m]):
             continue
-        if not _stands_for(case, m, box):
+        if not stands_for(case, m, box):
             return False
     return True
 
@@ -76,7 +76,7 @@ def none_higher(case, k):
 
 
 @part
-def _stands_for(case, k, box):
+def stands_for(case, k, box):
     """Whether peak ``k`` represents all feasible placements of the box."""
     limits, middle, at = case.limits, scratch(3), case.found.peak[k]
     centre(box, middle)

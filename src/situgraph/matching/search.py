@@ -70,10 +70,8 @@ from situgraph.matching.tables import (
     WITHIN,
     WORK,
 )
-from situgraph.matching.views import (
-    fixes,
-    look,
-)
+from situgraph.matching.views import fixes, look
+from situgraph.matching.wards import entrust, reclaim
 
 FINE = 0.005  # half widths below which no higher peak is looked for beside a known one, metres
 GUESSES = 3  # least squares from relaxed correspondences
@@ -90,6 +88,22 @@ def search(case):
     _search_groups(case)
     if lost <= case.task.budget:
         _corridors(case, lost)
+    _reconsider(case)
+
+
+@part
+def _reconsider(case):
+    """Search again what peaks stood for of which higher ones were found later."""
+    box, found = scratch(SIDES), case.found
+    for m in range(len(case.seen.storey)):
+        case.spans.required[m] = 0
+    changed = True
+    while changed:
+        changed = False
+        for k in range(min(found.count[PEAKS], len(found.peak))):
+            if not _exhausted(case) and reclaim(case, k, box):
+                explore(case, box)
+                changed = True
 
 
 @part
@@ -334,6 +348,7 @@ def explore(case, start):
         if known >= 0:
             spread(left, box)
             if widest < FINE or none_higher(case, known):
+                entrust(case, known, box)
                 continue
         before = found.count[PEAKS]
         state = _witness(case, box, arm, at)
@@ -341,10 +356,11 @@ def explore(case, start):
             continue
         if state > 0:
             rise(case, at, climb(case, at))
+        if known < 0 and found.count[PEAKS] > before:
+            known = known_peak(case, box)
         if known >= 0:
-            continue
-        if found.count[PEAKS] > before and known_peak(case, box) >= 0:
             spread(left, box)
+            entrust(case, known, box)
             continue
         if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
             spread(left, box)

@@ -282,6 +282,8 @@ class Found(NamedTuple):
 
     peak: Annotated[Floats, "peaks", 4]
     count: Annotated[Ints, 8]  # type: ignore[assignment]  # ``PEAKS`` to ``STAGE``
+    ward: Annotated[Floats, "peaks", "sides"]  # what each peak stood for (``wards``)
+    since: Annotated[Ints, "peaks"]  # how many peaks there were when it first did, 0: it did not
     alike: Annotated[Ints, "N"]  # how many prior rooms explain each online room in isolation
     stack: Annotated[Floats, "depth", "sides"]  # boxes to be searched
     waiting: Annotated[Floats, "waiting", "sides"]  # those in which an anchor finds one prior room
