@@ -112,15 +112,18 @@ def shrink(case, box):
         case.task,
     )
     rooms, at = len(seen.storey), reach_of(box)
-    counted, lost = 0, 0.0
-    for r in range(rooms):
+    counted, lost, order = 0, 0.0, spans.order
+    for k in range(rooms):
+        r = order[k]
         options.count[r] = 0
         if _span(case, box, at, r):
             counted += 1
         else:
             spans.low[0, r] = math.inf
             lost += task.loss[r]
-            few = counted + rooms - r - 1 < task.least
+            first = k - counted
+            order[first], order[k] = order[k], order[first]
+            few = counted + rooms - k - 1 < task.least
             if spans.required[r] or few or lost > task.budget:
                 return False
     if not _enough_apart(case):
@@ -137,13 +140,27 @@ def shrink(case, box):
 @part
 def squeeze(case, box, arm):
     """Shrink a box while it pays; False when nothing is left."""
-    for _ in range(ROUNDS):
-        before = box[TURN] * arm + box[HU] + box[HV]
+    before = extent(box, arm)
+    return shrink(case, box) and squeeze_on(case, box, arm, before)
+
+
+@part
+def squeeze_on(case, box, arm, before):
+    """Go on with a box that was shrunk once, from the extent ``before``."""
+    for _ in range(1, ROUNDS):
+        now = extent(box, arm)
+        if now > GAIN * before:
+            break
+        before = now
         if not shrink(case, box):
             return False
-        if box[TURN] * arm + box[HU] + box[HV] > GAIN * before:
-            break
     return True
+
+
+@part
+def extent(box, arm):
+    """How large a box is: its half widths, with that of the yaw as far as ``arm`` tells it."""
+    return box[TURN] * arm + box[HU] + box[HV]
 
 
 @part

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from situgraph.matching.boxes import SIDES
+from situgraph.matching.nearby import BUCKETS
 from situgraph.matching.tables import Aim, Content, Limits, Plan, Seen
 
 WAITING = 64  # boxes of one pair of rooms that are put together
@@ -57,6 +58,7 @@ class Tables(NamedTuple):
             "m": plan.widest + 1,
             "planes": seen.planes,
             "peaks": peaks,
+            "buckets": BUCKETS,
             "depth": DEPTH,
             "waiting": WAITING,
             "sides": SIDES,

@@ -17,6 +17,7 @@ from situgraph.matching.leverage import (
     nearly_moved,
     stays_low,
 )
+from situgraph.matching.nearby import LEAST_GAIN, add_peak
 from situgraph.matching.optimum import (
     SUMS,
     arm_of,
@@ -28,13 +29,11 @@ from situgraph.matching.optimum import (
 )
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
-from situgraph.matching.tables import FIT, MISSING, MOVED, PEAKS
+from situgraph.matching.tables import FIT, MISSING, MOVED
 from situgraph.matching.views import copy_view, count_planes, evidence, fixes, look
 
 ROUNDS = 30
-LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 ARRIVED = 1e-6  # metres and radians from the optimum
-SAME_PEAK = 1e-4  # metres along both axes, radians
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 INSIDE = (0.0, 1e-5, 1e-3)  # metres from it, at which it is then held; 0: not held
 
@@ -84,52 +83,19 @@ def climb(case, at):
 
 
 @part
-def add_peak(case, at, height):
-    """Note a peak, unless it is known; where there is no room for it, it is only counted."""
-    peaks, count = case.found.peak, case.found.count
-    for k in range(min(count[PEAKS], len(peaks))):
-        if (
-            abs(peaks[k, 1] - at[1]) + abs(peaks[k, 2] - at[2]) < SAME_PEAK
-            and abs(wrapped(peaks[k, 0] - at[0])) < SAME_PEAK
-        ):
-            return
-    if count[PEAKS] < len(peaks):
-        for k in range(3):
-            peaks[count[PEAKS], k] = at[k]
-        peaks[count[PEAKS], 3] = height
-        case.found.since[count[PEAKS]] = 0
-    count[PEAKS] += 1
-
-
-@part
-def same_place(case, one, two):
-    """Whether two peaks (yaw, x, y, L) are the same placement."""
-    apart = math.hypot(one[1] - two[1], one[2] - two[2])
-    turned = abs(wrapped(one[0] - two[0]))
-    return apart <= case.limits.same_distance and turned <= case.limits.same_yaw
-
-
-@part
 def rise(case, at, height):
-    """Note a peak ``at`` (3,), and if it is the highest of its place, those to which it leads.
+    """Note the peaks to which a peak ``at`` (3,) leads; returns L at the highest, then ``at``.
 
     Peaks that are the same placement differ in which planes fit: it is climbed on with one plane
     let go, or held again, as long as that leads higher. All higher ones are noted, as objects may
-    prefer one that by the walls is as good as another. ``case.one`` must be the view at the peak.
+    prefer one that by the walls is as good as another. ``case.one`` must be the view at the peak,
+    and is so afterwards.
     """
-    peaks, highest = case.found.peak, True
-    for k in range(min(case.found.count[PEAKS], len(peaks))):
-        if peaks[k, 3] >= height - LEAST_GAIN and same_place(case, peaks[k], at):
-            highest = False
-            break
-    add_peak(case, at, height)
-    if not highest:
-        return
     goal, tried, top = scratch(3), scratch(3), scratch(3)
     while True:
         best = _raise_once(case, at, height, goal, tried, top)
         if best <= height + LEAST_GAIN:
-            return
+            return height
         height = best
         _part_way(top, top, 0.0, 0.0, at)
         feasible(case, case.one, at)

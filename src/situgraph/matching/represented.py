@@ -20,13 +20,12 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
 from situgraph.matching.explained import may_explain
 from situgraph.matching.lookup import find
-from situgraph.matching.peaks import same_place
+from situgraph.matching.nearby import TIE, peaks_near, same_place
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import SLACK, give, wrapped
 from situgraph.matching.strands import row_at, rows_near
-from situgraph.matching.tables import PEAKS, WORK
+from situgraph.matching.tables import WORK
 
-TIE = 1e-6  # of L, which rounding may decide
 NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
 PEAKS_A_COMPARISON = 4  # that are passed over in the time of a comparison of planes, about
 
@@ -38,25 +37,27 @@ def known_peak(case, box):
     Of peaks that are the same only the highest becomes a candidate: whichever that is has to
     represent them too.
     """
-    peaks, middle = case.found.peak, scratch(3)
-    count = min(case.found.count[PEAKS], len(peaks))
+    close, middle, last = case.found.close, scratch(3), -1
     centre(box, middle)
-    reach = max(NEAR, case.limits.same_distance) + _sway(box) + SLACK
-    case.found.count[WORK] += count // PEAKS_A_COMPARISON
-    for k in range(count):
-        dx, dy = peaks[k, 1] - middle[1], peaks[k, 2] - middle[2]
-        if dx * dx + dy * dy > reach * reach:
-            continue
-        if stands_for(case, k, box) and _others_stand(case, k, box):
-            return k
-    return -1
+    reach = max(NEAR, case.limits.same_distance) + sway_of(box) + SLACK
+    while True:
+        m, count = 0, peaks_near(case, middle[1], middle[2], reach)
+        while m < count and (close[m] <= last or not stands_for(case, close[m], box)):
+            m += 1
+        case.found.count[WORK] += count // PEAKS_A_COMPARISON
+        if m == count:
+            return -1
+        last = close[m]
+        if _others_stand(case, last, box):
+            return last
 
 
 @part
 def _others_stand(case, k, box):
     """Whether those peaks that are the same as ``k``, and not lower, represent the box as well."""
-    peaks = case.found.peak
-    for m in range(min(case.found.count[PEAKS], len(peaks))):
+    peaks, close = case.found.peak, case.found.close
+    for n in range(peaks_near(case, peaks[k, 1], peaks[k, 2], case.limits.same_distance)):
+        m = close[n]
         if m == k or peaks[m, 3] < peaks[k, 3] - TIE or not same_place(case, peaks[k], peaks[m]):
             continue
         if not stands_for(case, m, box):
@@ -80,23 +81,23 @@ def stands_for(case, k, box):
     """Whether peak ``k`` represents all feasible placements of the box."""
     limits, middle, at = case.limits, scratch(3), case.found.peak[k]
     centre(box, middle)
-    sway = _sway(box)
+    sway = sway_of(box)
     apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
     turned = abs(wrapped(at[0] - middle[0]))
     if apart + sway <= limits.same_distance and turned + box[TURN] <= limits.same_yaw:
         return True
     near = apart <= NEAR + sway and turned <= limits.same_yaw + box[TURN]
-    return near and _represented(case, box, at)
+    return near and represents(case, box, at)
 
 
 @part
-def _sway(box):
+def sway_of(box):
     """How far the mean room centre moves inside the box."""
     return radius(box) + 2 * math.sin(box[TURN] / 2) * math.hypot(box[AX], box[AY])
 
 
 @part
-def _represented(case, box, at):
+def represents(case, box, at):
     """Whether all pairs of planes that can fit in the box fit at the placement ``at`` as well."""
     seen, plan, limits, finder, task = (
         case.seen,

@@ -9,18 +9,13 @@ import math
 from situgraph.matching.boxes import (
     AX,
     AY,
-    HU,
-    HV,
     PX,
     PY,
     SIDES,
-    TURN,
     YAW,
-    centre,
     move_anchor,
     narrow,
     possible,
-    radius,
     reach_of,
     slack_of,
     squeeze,
@@ -30,16 +25,12 @@ from situgraph.matching.containment import may_be
 from situgraph.matching.cover import (
     far_off,
     far_room,
-    keep_left,
     keep_region,
     longest_arm,
-    nothing_left,
-    outside,
     sight,
-    spread,
-    strayed,
 )
 from situgraph.matching.explained import may_explain
+from situgraph.matching.explore import exhausted, explore, leave
 from situgraph.matching.ground import enough, lay, partners_lie
 from situgraph.matching.groups import NOWHERE, form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
@@ -50,17 +41,13 @@ from situgraph.matching.hypotheses import (
     pair_box,
     pair_of,
     pairs_of,
-    split,
 )
-from situgraph.matching.optimum import optimum
-from situgraph.matching.peaks import climb, feasible, rise
+from situgraph.matching.nearby import forget_peaks
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
-from situgraph.matching.represented import known_peak, none_higher
+from situgraph.matching.settled import settled_by
 from situgraph.matching.tables import (
     ANYWHERE,
-    BOXES,
-    CUT,
     HELD,
     MADE,
     OUTLINING,
@@ -70,11 +57,8 @@ from situgraph.matching.tables import (
     WITHIN,
     WORK,
 )
-from situgraph.matching.views import fixes, look
-from situgraph.matching.wards import entrust, reclaim
+from situgraph.matching.wards import reclaim
 
-FINE = 0.005  # half widths below which no higher peak is looked for beside a known one, metres
-GUESSES = 3  # least squares from relaxed correspondences
 JOINED = 0.3  # half widths of a box put together of several, at most, metres
 
 
@@ -83,6 +67,8 @@ def search(case):
     """Find the peaks of all feasible placements for one shift of the storeys."""
     if case.found.count[STAGE] == WITHIN and case.found.count[HELD] == 0:
         return
+    forget_peaks(case)
+    _line_up(case)
     lost = form_groups(case, case.task.budget, False)
     lay(case)
     _search_groups(case)
@@ -101,7 +87,7 @@ def _reconsider(case):
     while changed:
         changed = False
         for k in range(min(found.count[PEAKS], len(found.peak))):
-            if not _exhausted(case) and reclaim(case, k, box):
+            if not exhausted(case) and reclaim(case, k, box):
                 explore(case, box)
                 changed = True
 
@@ -117,6 +103,7 @@ def outline(case, cover, begin, end, wanted):
     count[STAGE] = OUTLINING
     for m in range(len(case.seen.storey)):
         case.spans.required[m] = 0
+    _line_up(case)
     for k in range(begin, end):
         _hold(case, cover[k])
     if wanted > 0:
@@ -124,6 +111,13 @@ def outline(case, cover, begin, end, wanted):
         lay(case)
         _search_groups(case)
     count[STAGE] = WITHIN if count[HELD] <= len(case.found.region) else ANYWHERE
+
+
+@part
+def _line_up(case):
+    """The rooms in any order to begin with."""
+    for r in range(len(case.spans.order)):
+        case.spans.order[r] = r
 
 
 @part
@@ -155,7 +149,7 @@ def _search_groups(case):
         if case.found.count[STAGE] == WITHIN:
             sight(case, r)
         for a in range(len(plan.storey)):
-            if plan.storey[a] == storey and may_be(case, r, a) and not _exhausted(case):
+            if plan.storey[a] == storey and may_be(case, r, a) and not exhausted(case):
                 _hypotheses(case, g, r, a)
 
 
@@ -171,7 +165,7 @@ def _hypotheses(case, g, r, a):
     pairs, reach = pairs_of(case, r)
     waiting = 0
     for c in range(pairs):
-        if _exhausted(case):
+        if exhausted(case):
             return
         i, k = pair_of(case, r, c)
         found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
@@ -222,26 +216,20 @@ def _try_waiting(case, g, waiting):
 def _try(case, g, start):
     """Search a box, but for one in which too few rooms can be explained; it stays as it is."""
     count = case.found.count
-    if _exhausted(case) or (count[STAGE] == WITHIN and far_off(case, start)):
+    if exhausted(case) or (count[STAGE] == WITHIN and far_off(case, start)):
         return
     box = scratch(SIDES)
     copy_box(start, box)
     count[TRIED] += 1
-    if partners_lie(case, box, g) and _partners(case, box, g) and enough(case, box, g):
+    if not partners_lie(case, box, g):
+        return
+    if count[STAGE] != OUTLINING and settled_by(case, box):
+        leave(case, box)
+    elif _partners(case, box, g) and enough(case, box, g):
         if count[STAGE] == OUTLINING:
             _hold(case, box)
         else:
             explore(case, box)
-
-
-@part
-def _exhausted(case):
-    """Whether the search must be cut short."""
-    count, limits = case.found.count, case.limits
-    if count[BOXES] <= limits.max_boxes and count[WORK] <= limits.max_work:
-        return False
-    count[CUT] = 1
-    return True
 
 
 @part
@@ -298,7 +286,7 @@ def _crossing(case, r, q, box):
         if plan.storey[a] != one or not may_be(case, r, a):
             continue
         for b in range(len(plan.storey)):
-            if _exhausted(case):
+            if exhausted(case):
                 return
             if plan.storey[b] != two or not may_be(case, q, b):
                 continue
@@ -310,90 +298,3 @@ def _crossing(case, r, q, box):
                     slack = slack_of(box, 0.0, 0.0)
                     if may_explain(case, r, a, box[YAW], box[PX], box[PY], slack):
                         explore(case, box)
-
-
-@part
-def explore(case, start):
-    """Branch and bound: until all of the box is known to be infeasible.
-
-    Or represented by a peak.
-    """
-    found, limits, arm = case.found, case.limits, longest_arm(case)
-    stack, box, at, left = found.stack, scratch(SIDES), scratch(3), scratch(SIDES)
-    nothing_left(left)
-    copy_box(start, stack[0])
-    depth = 1
-    while depth > 0:
-        depth -= 1
-        copy_box(stack[depth], box)
-        found.count[BOXES] += 1
-        if _exhausted(case):
-            break
-        if found.count[PEAKS] > len(found.peak):  # to be searched again with more room
-            break
-        if not squeeze(case, box, arm):
-            continue
-        if box[AX] != 0.0 or box[AY] != 0.0:
-            move_anchor(box)
-            if not squeeze(case, box, arm):
-                continue
-        if found.count[STAGE] == WITHIN and outside(case, box):
-            continue
-        side, widest = 0, box[TURN] * arm
-        if box[HU] > widest:
-            side, widest = 1, box[HU]
-        if box[HV] > widest:
-            side, widest = 2, box[HV]
-        known = known_peak(case, box)
-        if known >= 0:
-            spread(left, box)
-            if widest < FINE or none_higher(case, known):
-                entrust(case, known, box)
-                continue
-        before = found.count[PEAKS]
-        state = _witness(case, box, arm, at)
-        if state < 0:
-            continue
-        if state > 0:
-            rise(case, at, climb(case, at))
-        if known < 0 and found.count[PEAKS] > before:
-            known = known_peak(case, box)
-        if known >= 0:
-            spread(left, box)
-            entrust(case, known, box)
-            continue
-        if widest < (limits.peak_step if state > 0 else limits.smallest_step) / 2:
-            spread(left, box)
-            continue
-        if depth + 2 > len(stack):
-            found.count[CUT] = 1
-            continue
-        split(box, side, stack[depth], stack[depth + 1])
-        depth += 2
-    keep_left(case, left, arm)
-
-
-@part
-def _witness(case, box, arm, at):
-    """Look for a feasible placement in or near the box: 1 found, 0 not found, -1 none can be.
-
-    It is left in ``at``. The last is known from the correspondences with all residuals widened by
-    what the box allows.
-    """
-    task = case.task
-    centre(box, at)
-    if feasible(case, case.one, at):
-        return 1
-    loose = radius(box) + 2 * math.sin(box[TURN] / 2) * arm
-    turn = box[TURN]
-    for k in range(GUESSES):
-        count = look(case, case.one, at[0], at[1], at[2], turn, loose)
-        if k == 0 and (count < task.least or not fixes(case, case.one)):
-            return -1
-        if count == 0:
-            return 0
-        optimum(case, case.one, at, 0.0, at)
-        if not strayed(box, at) and feasible(case, case.one, at):
-            return 1
-        loose /= 2
-    return 0

@@ -245,6 +245,7 @@ class Spans(NamedTuple):
     high: Annotated[Floats, 3, "N"]
     required: Annotated[Ints, "N"]  # rooms that must be explained
     sorted: Annotated[Floats, "N"]  # to select in
+    order: Annotated[Ints, "N"]  # of rooms: those first that were nowhere in the last box
     turn_low: Annotated[Floats, "n"]  # yaws for which a plane can fit
     turn_high: Annotated[Floats, "n"]
     nu: Annotated[Floats, "n"]  # its normal in the box's axes
@@ -281,6 +282,10 @@ class Found(NamedTuple):
     """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
 
     peak: Annotated[Floats, "peaks", 4]
+    settled: Annotated[Floats, "peaks", 2]  # metres, radians around each that it stands for alone
+    bucket: Annotated[Ints, "buckets"]  # number + 1 of the last peak of each cell (``nearby``)
+    linked: Annotated[Ints, "peaks"]  # and of the one before each
+    close: Annotated[Ints, "peaks"]  # those near a place
     count: Annotated[Ints, 8]  # type: ignore[assignment]  # ``PEAKS`` to ``STAGE``
     ward: Annotated[Floats, "peaks", "sides"]  # what each peak stood for (``wards``)
     since: Annotated[Ints, "peaks"]  # how many peaks there were when it first did, 0: it did not

@@ -12,8 +12,8 @@ from __future__ import annotations
 from situgraph.matching.compiled import part
 from situgraph.matching.cover import nothing_left, spread
 from situgraph.matching.hypotheses import copy_box
-from situgraph.matching.peaks import same_place
-from situgraph.matching.represented import TIE, none_higher, stands_for
+from situgraph.matching.nearby import TIE, same_place
+from situgraph.matching.represented import none_higher, stands_for
 from situgraph.matching.tables import PEAKS
 
 
