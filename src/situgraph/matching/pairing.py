@@ -33,6 +33,20 @@ def add_option(case, r, a, score):
 
 
 @part
+def contested(case):
+    """Whether a prior room is an option of two rooms."""
+    options, twice = case.options, False
+    for r in range(len(options.count)):
+        for k in range(options.count[r]):
+            options.owner[options.room[r, k]] += 1
+            twice = twice or options.owner[options.room[r, k]] > 1
+    for r in range(len(options.count)):
+        for k in range(options.count[r]):
+            options.owner[options.room[r, k]] = 0
+    return twice
+
+
+@part
 def pair_up(case, chosen):
     """Set ``chosen[r]`` to the prior room of each online room, -1 for none.
 

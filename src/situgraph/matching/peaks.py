@@ -30,7 +30,7 @@ from situgraph.matching.optimum import (
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MISSING, MOVED
-from situgraph.matching.views import copy_view, count_planes, evidence, fixes, look
+from situgraph.matching.views import copy_view, count_planes, evidence, fixes, look_near
 
 ROUNDS = 30
 ARRIVED = 1e-6  # metres and radians from the optimum
@@ -41,9 +41,15 @@ INSIDE = (0.0, 1e-5, 1e-3)  # metres from it, at which it is then held; 0: not h
 @part
 def feasible(case, spot, at):
     """Fill ``spot`` at a placement (yaw, x, y); whether it is feasible."""
-    task = case.task
-    count = look(case, spot, at[0], at[1], at[2], 0.0, 0.0)
-    return count >= task.least and fixes(case, spot)
+    count = look_near(case, spot, at[0], at[1], at[2], False)
+    return count >= case.task.least and fixes(case, spot)
+
+
+@part
+def arrive(case, spot, at):
+    """``feasible`` on a climb, where one looks near by again."""
+    count = look_near(case, spot, at[0], at[1], at[2], True)
+    return count >= case.task.least and fixes(case, spot)
 
 
 @part
@@ -60,7 +66,7 @@ def climb(case, at):
         else:
             slide(case, at, INSIDE[held], goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
-        arrives = feasible(case, case.two, tried)
+        arrives = arrive(case, case.two, tried)
         value = height
         if arrives or _last_feasible(case, at, goal, False, tried):
             value = evidence(case, case.two)
@@ -98,7 +104,7 @@ def rise(case, at, height):
             return height
         height = best
         _part_way(top, top, 0.0, 0.0, at)
-        feasible(case, case.one, at)
+        arrive(case, case.one, at)
 
 
 @part
@@ -169,7 +175,7 @@ def _fall_back(case, height, origin, tried, margin, step):
     ``case.root``, so that from them it is climbed there as well, and to nothing higher than
     ``height`` on the way. -1 where that is not so.
     """
-    if not feasible(case, case.two, origin):
+    if not arrive(case, case.two, origin):
         return -1.0
     copy_view(case.two, case.root)
     copy_view(case.two, case.one)
@@ -200,12 +206,12 @@ def _changed(case, at, r, i, j, free, goal, tried):
     if state != MISSING:
         optimum(case, view, at, 0.0, goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
-        arrives = feasible(case, case.two, tried)
+        arrives = arrive(case, case.two, tried)
     if not arrives or (state == MOVED and case.two.state[i] != FIT):
         case.tally.held[i] = state != FIT
         slide(case, at, INSIDE[1], goal)
         _part_way(goal, goal, 0.0, 0.0, tried)
-        arrives = feasible(case, case.two, tried)
+        arrives = arrive(case, case.two, tried)
     view.state[i] = state
     if state == MISSING:
         view.row[i] = -1
@@ -233,14 +239,14 @@ def _last_feasible(case, at, goal, alike, tried):
     while high - low > SMALLEST_STEP:
         share = (low + high) / 2
         _part_way(at, goal, turn, share, tried)
-        if feasible(case, case.two, tried) and (not alike or _same(case.one, case.two)):
+        if arrive(case, case.two, tried) and (not alike or _same(case.one, case.two)):
             low = last = share
         else:
             high = share
     if last == 0.0:
         return False
     _part_way(at, goal, turn, last, tried)
-    return feasible(case, case.two, tried)
+    return arrive(case, case.two, tried)
 
 
 @part

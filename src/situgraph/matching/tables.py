@@ -166,6 +166,17 @@ class View(NamedTuple):
     bend: Annotated[Floats, "P"]
 
 
+class Steady(NamedTuple):
+    """What was found of each room where it was last looked at on a climb (``steady``)."""
+
+    place: Annotated[Floats, "N", 3]  # yaw, and where its centre was
+    reach: Annotated[Floats, "N", 2]  # how far from there it is found again: yaw, metres
+    storey: Annotated[Ints, "N"]  # on which prior storey
+    room: Annotated[Ints, "N"]  # prior room, -1 for none
+    row: Annotated[Ints, "P"]  # of its planes
+    state: Annotated[Ints, "P"]
+
+
 class Finder(NamedTuple):
     """Room to work for ``find``: the rooms found, and when each was last."""
 
@@ -318,5 +329,6 @@ class Case(NamedTuple):
     ground: Ground
     one: View
     two: View
+    steady: Steady
     kept: View  # that of the peak that is climbed on from
     root: View  # that from which it is counted what one plane changes (``leverage``)

@@ -13,8 +13,9 @@ from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import explain
 from situgraph.matching.lookup import Reach, find
-from situgraph.matching.pairing import add_option, pair_up
+from situgraph.matching.pairing import add_option, contested, pair_up
 from situgraph.matching.slack import Slack, wrapped
+from situgraph.matching.steady import is_steady, keep_steady, recall_steady
 from situgraph.matching.tables import FIT, MISSING, MOVED
 
 PARALLEL = 0.01  # sine of the angle between the planned faces of one wall, at most
@@ -28,19 +29,42 @@ def look(case, spot, yaw, x, y, turn, loose):
     ``loose`` widen the residuals by radians and metres (0: strictly the definition). Returns how
     many rooms are explained.
     """
-    view = spot
-    seen, plan, task = case.seen, case.plan, case.task
-    finder, options = case.finder, case.options
+    _gather(case, spot, yaw, x, y, turn, loose, False, False)
+    return _pair(case, spot, yaw, x, y, turn, loose)
+
+
+@part
+def look_near(case, spot, yaw, x, y, keeps):
+    """``look`` strictly, where rooms may be ``steady`` from earlier looks near by.
+
+    Where it ``keeps`` what it finds, looks near here will be made.
+    """
+    recalled = _gather(case, spot, yaw, x, y, 0.0, 0.0, True, keeps)
+    if recalled > 0 and contested(case):  # the scores decide, which are not kept
+        _gather(case, spot, yaw, x, y, 0.0, 0.0, False, False)
+    return _pair(case, spot, yaw, x, y, 0.0, 0.0)
+
+
+@part
+def _gather(case, spot, yaw, x, y, turn, loose, recalls, keeps):
+    """The options of all rooms, and the planes of their first ones; returns how many are steady."""
+    seen, task, finder, options = case.seen, case.task, case.finder, case.options
     c, s = math.cos(yaw), math.sin(yaw)
     slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
     at = Reach(yaw, 0.0, c, s, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, 1.5 * loose)
+    recalled = 0
     for r in range(len(seen.storey)):
         options.count[r] = 0
-        if task.storeys[seen.storey[r]] < 0:
+        storey = task.storeys[seen.storey[r]]
+        if storey < 0:
             continue
         cx, cy = seen.center[r, 0], seen.center[r, 1]
         rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
-        found = find(case, r, task.storeys[seen.storey[r]], at, True)
+        if recalls and is_steady(case, r, storey, yaw, rx, ry):
+            recall_steady(case, spot, r)
+            recalled += 1
+            continue
+        found = find(case, r, storey, at, True)
         for k in range(found):
             a = finder.room[k]
             if room_allowed(case, r, a):
@@ -49,6 +73,17 @@ def look(case, spot, yaw, x, y, turn, loose):
                     add_option(case, r, a, score)
                     if options.room[r, 0] == a:
                         _note(case, spot, r)
+        if keeps:
+            keep_steady(case, spot, r, storey, yaw, rx, ry)
+    return recalled
+
+
+@part
+def _pair(case, spot, yaw, x, y, turn, loose):
+    """Give each room one of its options, and measure its planes; returns how many have one."""
+    view, seen, plan, options = spot, case.seen, case.plan, case.options
+    c, s = math.cos(yaw), math.sin(yaw)
+    slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
     count = pair_up(case, view.room)
     for r in range(len(seen.storey)):
         a = view.room[r]
