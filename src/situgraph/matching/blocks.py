@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,15 +32,14 @@ class Block:
     def __init__(self, declared: Any, sizes: dict[str, int], **given: Any) -> None:
         """Lay out a named tuple of this class."""
         self._given = given
-        self._scheme = scheme = _scheme(declared, tuple(given))
-        size = np.array((*scheme.numbers, *map(sizes.__getitem__, scheme.names)), dtype=np.int64)
-        self._rows, self._columns = size[scheme.rows], size[scheme.columns]
-        self._ends = ends = np.add.accumulate(self._rows * self._columns)
-        self._words = slots = np.zeros(int(ends[-1]), dtype=np.int64)
+        names = tuple(given)
+        self._scheme = scheme = _scheme(declared, names)
+        self._sized = sized = _sized(declared, names, tuple(map(sizes.__getitem__, scheme.names)))
+        self._words = slots = np.zeros(sized.words, dtype=np.int64)
         self._reals = slots.view(np.float64)
         self.place = address(slots)
-        slots[scheme.addresses] = ends[:-1] * WORD + self.place
-        slots[scheme.lengths] = size[scheme.shapes]
+        slots[scheme.addresses] = sized.places + self.place
+        slots[scheme.lengths] = sized.lengths
         flat: list[int] = []
         for name, ndim in scheme.given:
             value = given[name]
@@ -65,8 +64,9 @@ class Block:
     def array(self, path: str) -> Any:
         """An array that was laid out, by the names of the records it is in: ``case.found.peak``."""
         k, real, ndim = self._scheme.laid[path]
-        made = (self._reals if real else self._words)[self._ends[k - 1] : self._ends[k]]
-        return made.reshape(self._rows[k], self._columns[k]) if ndim == 2 else made
+        begin, end, rows, columns = self._sized.pieces[k]
+        made = (self._reals if real else self._words)[begin:end]
+        return made.reshape(rows, columns) if ndim == 2 else made
 
     def record(self, path: str) -> Laid:
         """A record that was laid out with this one: ``case.found``."""
@@ -168,6 +168,26 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
         },
         {path[:-1]: slot for path, _, _, slot in inner[1:]},
     )
+
+
+class Sized(NamedTuple):
+    """How all lies, sizes included."""
+
+    words: int  # in all
+    places: Ints  # (k - 1,) bytes before each piece but the first
+    lengths: Ints  # what the slots of the arrays' shapes hold
+    pieces: list[tuple[int, int, int, int]]  # where each begins and ends, its rows and columns
+
+
+@lru_cache(maxsize=256)
+def _sized(declared: Any, given: tuple[str, ...], sizes: tuple[int, ...]) -> Sized:
+    """How all lies; ``sizes`` are those of the scheme's names. An online graph grows seldom."""
+    scheme = _scheme(declared, given)
+    size = np.array((*scheme.numbers, *sizes), dtype=np.int64)
+    rows, columns = size[scheme.rows], size[scheme.columns]
+    ends = np.add.accumulate(rows * columns)
+    pieces = [*zip([0, *ends.tolist()], ends.tolist(), rows.tolist(), columns.tolist())]
+    return Sized(int(ends[-1]), ends[:-1] * WORD, size[scheme.shapes], pieces)
 
 
 def _width(declared: Any) -> int:

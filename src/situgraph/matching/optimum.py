@@ -160,7 +160,9 @@ def pull_of(sums, turn, x, y, system):
 
     Of half of what is subtracted from L, along (yaw, x, y).
     """
-    c, s = math.cos(turn), math.sin(turn)
+    c, s = 1.0, 0.0
+    if turn != 0.0:
+        c, s = math.cos(turn), math.sin(turn)
     c1 = c - 1.0
     tx, ty = c * sums[7] - s * sums[6], c * sums[10] - s * sums[9]
     tf, tt = c * sums[12] - s * sums[11], c * sums[13] - s * sums[12]

@@ -7,7 +7,8 @@ plan does not model are no evidence.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import accumulate, chain, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -87,8 +88,8 @@ def seen_objects(
     for k, plane in enumerate(source.tolist()):
         rows.setdefault(online.planes[plane].id, []).append(k)
     ids: list[str] = []
-    category: list[int] = []
     place: list[float] = []
+    category: list[int] = []
     hung: list[int] = []
     only: list[int] = []
     room_first, row_first = [0], [0]
@@ -96,29 +97,27 @@ def seen_objects(
     row: list[int] = []
     for o in online.objects:
         column = planned.column.get(o.category)
-        home = [rooms[r] for r in o.rooms if r in rooms]
-        if column is None or not home:
+        if column is None:
             continue
+        begin = len(room)
+        for name in o.rooms:
+            if name in rooms:
+                room.append(rooms[name])
+        if len(room) == begin:
+            continue
+        for name in o.planes:
+            row += rows.get(name, ())
         ids.append(o.id)
         category.append(column)
         x, y, _ = o.center
         place += (-x if flipped else x, y)
         hung.append(1 if o.planes else 0)
-        only.append(home[0] if len(home) == 1 else -1)
-        room += home
-        row += [k for p in o.planes for k in rows.get(p, ())]
+        only.append(room[begin] if len(room) == begin + 1 else -1)
         room_first.append(len(room))
         row_first.append(len(row))
-    table = Sighted(
-        np.array(category, dtype=np.int64),
-        np.array(place, dtype=np.float64).reshape(-1, 2) - middle,
-        np.array(room_first, dtype=np.int64),
-        np.array(room, dtype=np.int64),
-        np.array(row_first, dtype=np.int64),
-        np.array(row, dtype=np.int64),
-        np.array(hung, dtype=np.int64),
-    )
-    return SeenObjects(tuple(ids), table, np.array(only, dtype=np.int64), len(source))
+    at = np.array(place, dtype=np.float64).reshape(-1, 2) - middle
+    whole = _pieces((category, room_first, room, row_first, row, hung, only))
+    return SeenObjects(tuple(ids), Sighted(whole[0], at, *whole[1:6]), whole[6], len(source))
 
 
 def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
@@ -170,6 +169,13 @@ def in_one_room(seen: SeenObjects, value: Floats, rooms: int) -> Floats:
     """The sums of a value over the objects that are in one room only, by room (N,)."""
     sums: Floats = np.bincount(seen.only + 1, value, rooms + 1)[1:]  # type: ignore[assignment]
     return sums
+
+
+def _pieces(lists: Sequence[list[int]]) -> list[Ints]:
+    """Each list as an array; they are made at once, which is faster."""
+    whole = np.array([*chain.from_iterable(lists)], dtype=np.int64)
+    ends = accumulate(map(len, lists), initial=0)
+    return [whole[begin:end] for begin, end in pairwise(ends)]
 
 
 def _packed(lists: Iterable[list[int]]) -> tuple[Ints, Ints]:

@@ -29,8 +29,9 @@ def look(case, spot, yaw, x, y, turn, loose):
     ``loose`` widen the residuals by radians and metres (0: strictly the definition). Returns how
     many rooms are explained.
     """
-    _gather(case, spot, yaw, x, y, turn, loose, False, False)
-    return _pair(case, spot, yaw, x, y, turn, loose)
+    at, slack = _reach(yaw, x, y, turn, loose)
+    _gather(case, spot, at, slack, False, False)
+    return _pair(case, spot, at, slack)
 
 
 @part
@@ -39,20 +40,26 @@ def look_near(case, spot, yaw, x, y, keeps):
 
     Where it ``keeps`` what it finds, looks near here will be made.
     """
-    recalled = _gather(case, spot, yaw, x, y, 0.0, 0.0, True, keeps)
+    at, slack = _reach(yaw, x, y, 0.0, 0.0)
+    recalled = _gather(case, spot, at, slack, True, keeps)
     if recalled > 0 and contested(case):  # the scores decide, which are not kept
-        _gather(case, spot, yaw, x, y, 0.0, 0.0, False, False)
-    return _pair(case, spot, yaw, x, y, 0.0, 0.0)
+        _gather(case, spot, at, slack, False, False)
+    return _pair(case, spot, at, slack)
 
 
 @part
-def _gather(case, spot, yaw, x, y, turn, loose, recalls, keeps):
+def _reach(yaw, x, y, turn, loose):
+    """A placement as it is looked up, and by how much residuals are widened."""
+    slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
+    c, s = math.cos(yaw), math.sin(yaw)
+    return Reach(yaw, 0.0, c, s, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, 1.5 * loose), slack
+
+
+@part
+def _gather(case, spot, at, slack, recalls, keeps):
     """The options of all rooms, and the planes of their first ones; returns how many are steady."""
     seen, task, finder, options = case.seen, case.task, case.finder, case.options
-    c, s = math.cos(yaw), math.sin(yaw)
-    slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
-    at = Reach(yaw, 0.0, c, s, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, 1.5 * loose)
-    recalled = 0
+    yaw, c, s, x, y, recalled = at.yaw, at.cos, at.sin, at.px, at.py, 0
     for r in range(len(seen.storey)):
         options.count[r] = 0
         storey = task.storeys[seen.storey[r]]
@@ -79,11 +86,10 @@ def _gather(case, spot, yaw, x, y, turn, loose, recalls, keeps):
 
 
 @part
-def _pair(case, spot, yaw, x, y, turn, loose):
+def _pair(case, spot, at, slack):
     """Give each room one of its options, and measure its planes; returns how many have one."""
     view, seen, plan, options = spot, case.seen, case.plan, case.options
-    c, s = math.cos(yaw), math.sin(yaw)
-    slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
+    yaw, c, s, x, y = at.yaw, at.cos, at.sin, at.px, at.py
     count = pair_up(case, view.room)
     for r in range(len(seen.storey)):
         a = view.room[r]
