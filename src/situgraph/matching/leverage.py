@@ -10,7 +10,7 @@ from situgraph.matching.compiled import part
 from situgraph.matching.optimum import arm_of, offset_of, solve
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MOVED
-from situgraph.matching.views import one_wall
+from situgraph.matching.views import PARALLEL, one_wall
 
 LEAST_REST = 1e-3  # share of what a plane says that others say as well, to go by its leverage
 LEAST_EASE = 1e-9  # square metres by which a plane gives way to one unit of L
@@ -94,7 +94,7 @@ def stays_low(case, at, r, i, j, system, margin, step):
 def leads_back(case, at, r, i, system, margin, far, step):
     """Whether plane ``i``, which fits, once let go leads to a placement whose view is the root.
 
-    And no farther than ``far`` from ``at``, which is the optimum with all planes.
+    And no farther than ``far`` (``far_apart``) from ``at``, which is the optimum with all planes.
     """
     j, weight = case.one.row[i], case.limits.plane_weight
     if not _by_itself(case, i):
@@ -105,26 +105,31 @@ def leads_back(case, at, r, i, system, margin, far, step):
         return False
     for k in range(3):
         step[k] *= -weight * offset / rest
-    if _span(step, margin) > far:
+    if _against(step, margin) > far:
         return False
     return _within(step, margin) or _keeps_states(case, at, step, -1, -1)
 
 
 @part
 def far_apart(case, fall, margin, step):
-    """How far a step from the root may lead, at most, to where L is not ``fall`` higher than there.
+    """How far a step may lead, at most, to where L is not ``fall`` higher than at its end.
 
-    It is lower by what walls say one by one; but walls that moved as one may say more there.
+    As ``_against`` counts it, in the view ``case.root``, of which that is the optimum; ``step``
+    leads there. L is lower by what walls say one by one; but those that moved as one may say more.
     """
-    limits, moved = case.limits, 0
-    for i in range(len(case.root.state)):
-        moved += case.root.state[i] == MOVED
+    limits, view, paired = case.limits, case.root, 0
+    for i in range(len(view.state)):
+        for k in range(len(view.state)):
+            both = i != k and view.state[i] == MOVED and view.state[k] == MOVED
+            if both and one_wall(case, view.row[i], view.row[k]) != 0.0:
+                paired += 1
+                break
     likeliest = limits.together + limits.alone
-    if moved < 2 or likeliest <= 1.0:
+    if paired < 2 or likeliest <= 1.0:
         return math.inf
     # Of what one pair says, where it says anything.
     steepest = 2.0 * math.sqrt(limits.apart_weight * math.log(limits.together / (1 - limits.alone)))
-    return fall / (steepest * 2.0 * (moved - 1)) - _span(step, margin)
+    return fall / (steepest * (paired - 1)) - _against(step, margin)
 
 
 @part
@@ -163,6 +168,12 @@ def _most_spared(case, j):
 def _span(step, margin):
     """By how much a step changes an offset, at most."""
     return abs(step[1]) + abs(step[2]) + abs(step[0]) * margin[2]
+
+
+@part
+def _against(step, margin):
+    """By how much the offsets of two faces of one wall change against each other, at most."""
+    return PARALLEL * (abs(step[1]) + abs(step[2])) + 2.0 * abs(step[0]) * margin[2]
 
 
 @part
