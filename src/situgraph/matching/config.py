@@ -114,6 +114,10 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     p_false_room: Annotated[
         float, setting("A seen room is none of the plan's", "1", _MODEL, gt=0, lt=1)
     ] = 0.1
+    p_other_room: Annotated[
+        float,
+        setting("A seen room that is none of the plan's is like them", "1", _MODEL, ge=0, le=1),
+    ] = 0.05
     outside_prior: Annotated[
         float, setting("The robot is not in this plan", "1", _DESIGN, gt=0, lt=1)
     ] = 0.01
@@ -206,6 +210,11 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
             ge=1,
         ),
     ] = 1_000_000_000
+
+    @property
+    def shape_gain(self) -> float:
+        """How much likelier a plane of a shape that was met before is than one anywhere."""
+        return self.clutter_length / (2 * self.plane_offset_tolerance)
 
     def least_rooms(self, rooms: int) -> int:
         """K: how many of so many online rooms a candidate must explain."""

@@ -4,6 +4,7 @@
 # (the types of kernels are those of the tables; numba infers them)
 from __future__ import annotations
 
+import math
 from typing import Annotated, NamedTuple
 
 from situgraph.matching.blocks import Block
@@ -28,6 +29,7 @@ from situgraph.matching.tables import (
     Table,
 )
 from situgraph.matching.traces import Start, Traces, recall, traces_of
+from situgraph.matching.views import look
 
 ROOM, PEAKS_A_ROOM = 64, 2  # for peaks, to begin with: at least, for each prior room
 COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
@@ -98,6 +100,7 @@ def _search_all(wanted):
     case = wanted.case
     task, found = case.task, case.found
     _shapes_alike(case)
+    _weigh_others(case)
     kept = left = 0
     for z in range(len(wanted.shifts)):
         for u in range(len(task.storeys)):
@@ -114,6 +117,7 @@ def _search_all(wanted):
                 wanted.shift[kept] = z
                 for c in range(4):
                     wanted.place[kept, c + 1] = found.peak[k, c]
+                wanted.place[kept, 4] += _unexplained(case, found.peak[k])
             kept += 1
         for k in range(found.count[LEFT]):
             if left < len(wanted.left) and k < len(found.cover):
@@ -135,6 +139,32 @@ def _turn_to_maps(case, z):
             ground.drawn[r] = 0
     else:
         ground.part[0] = z * rooms
+
+
+@part
+def _weigh_others(case):
+    """What each room says where it is not explained: it may be one like those of the plan."""
+    seen, limits, found = case.seen, case.limits, case.found
+    for r in range(len(found.other)):
+        found.other[r] = 0.0
+        if seen.shape[r] > 0:
+            share = limits.other_room * found.alike[r] / len(case.plan.storey)
+            found.other[r] = math.log1p(share * limits.shape_gain ** seen.shape[r])
+
+
+@part
+def _unexplained(case, peak):
+    """What the rooms say that are not explained at a peak; one so high explains all."""
+    seen, limits, total = case.seen, case.limits, 0.0
+    rooms = len(seen.storey)
+    most = seen.planes * limits.fit_peak + (rooms - 1) * limits.room_true + limits.room_false
+    if case.task.least == rooms or peak[3] > most:
+        return total
+    look(case, case.one, peak[0], peak[1], peak[2], 0.0, 0.0)
+    for r in range(rooms):
+        if case.one.room[r] < 0:
+            total += case.found.other[r]
+    return total
 
 
 @part

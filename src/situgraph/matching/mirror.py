@@ -55,12 +55,22 @@ def aim_at(inputs: Inputs, least: float) -> Aim:
         alone, together = most_evidence(inputs.objects, inputs.rates)
         most += float(alone.sum()) + together
         loss += in_one_room(inputs.objects, alone, rooms)
+    loss -= _others(inputs)
+    most -= float(np.minimum(loss, 0.0).sum())
+    loss = np.maximum(loss, LEAST_LOSS)
     budget = most - least + SLACK
     ranked = np.sort(loss)
     spared = int((ranked.cumsum() <= budget).sum())
     # Rooms that lose more than most are not told apart, so that groups can be formed of any.
     median = (ranked[(rooms - 1) // 2] + ranked[rooms // 2]) / 2
     return Aim(max(inputs.least, rooms - spared), np.minimum(loss, median), budget)
+
+
+def _others(inputs: Inputs) -> Floats:
+    """What each online room says at most where it is not explained."""
+    limits, shape = inputs.limits, inputs.seen.shape
+    told = np.log1p(limits.other_room * limits.shape_gain**shape)
+    return np.where(shape > 0, told, 0.0)
 
 
 def _losses(inputs: Inputs) -> Floats:
@@ -70,4 +80,4 @@ def _losses(inputs: Inputs) -> Floats:
     """
     limits = inputs.limits
     lost = max(limits.room_true - limits.room_false, 0.0)
-    return np.asarray(lost + LEAST_LOSS + inputs.seen.own * limits.fit_peak, dtype=float)
+    return np.asarray(lost + inputs.seen.own * limits.fit_peak, dtype=float)

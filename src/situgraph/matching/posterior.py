@@ -56,7 +56,7 @@ def distinct(peaks, distance, yaw, height):
 
 def log_outside(alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfig) -> float:
     """Ln W of 'not in this plan': another building is made of similar rooms, wall to wall."""
-    gain = config.clutter_length / (2 * config.plane_offset_tolerance)
+    gain = config.shape_gain
     shapes, most = zip(alike.tolist(), seen.shape.tolist()), max(prior_rooms, 1)
     rooms = sum(math.log1p(k / most * gain**shape) for k, shape in shapes if shape > 0)
     return (

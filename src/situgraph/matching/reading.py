@@ -40,6 +40,8 @@ def limits_of(config: MatchingConfig) -> Limits:
         "missing_shared": math.log(config.p_missing_shared),
         "room_true": math.log(1 - config.p_false_room),
         "room_false": math.log(config.p_false_room),
+        "other_room": config.p_other_room,
+        "shape_gain": config.shape_gain,
         "plane_weight": 1 / (2 * config.plane_sigma**2),
         "angle_weight": 1 / (2 * config.angle_sigma**2),
         "same_distance": config.same_distance,

@@ -47,6 +47,8 @@ class Limits(NamedTuple):
     missing_shared: float
     room_true: float
     room_false: float
+    other_room: float  # probability that a room that is not explained is like those of the plan
+    shape_gain: float  # likelihood ratio of each plane of a shape that was met before
     plane_weight: float  # 1 / (2 sigma^2)
     angle_weight: float
     same_distance: float
@@ -301,6 +303,7 @@ class Found(NamedTuple):
     ward: Annotated[Floats, "peaks", "sides"]  # what each peak stood for (``wards``)
     since: Annotated[Ints, "peaks"]  # how many peaks there were when it first did, 0: it did not
     alike: Annotated[Ints, "N"]  # how many prior rooms explain each online room in isolation
+    other: Annotated[Floats, "N"]  # log ratio of each online room where it is not explained
     stack: Annotated[Floats, "depth", "sides"]  # boxes to be searched
     waiting: Annotated[Floats, "waiting", "sides"]  # those in which an anchor finds one prior room
     like: Annotated[Ints, "N", "like"]  # bit a: whether prior room a explains it in isolation

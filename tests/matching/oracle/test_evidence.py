@@ -8,6 +8,7 @@ import msgspec
 import pytest
 
 from situgraph.experiments.oracle.answer import explained_at
+from situgraph.experiments.oracle.comparison import compare
 from situgraph.experiments.oracle.definition import Definition
 from situgraph.experiments.oracle.explained import FIT, MISSING, MOVED, pair_up
 from situgraph.experiments.oracle.grids import grid
@@ -305,3 +306,24 @@ def test_the_matcher_gives_outside_the_weight_that_the_brute_force_gives_it() ->
         own = answer(problem(online, prior))
         told = match(online, PlanIndex(prior), semantics="none")
         assert told.probability_outside == pytest.approx(own.probability_outside, rel=1e-3)
+
+
+def test_a_room_that_stands_elsewhere_may_be_like_the_plans_all_the_same() -> None:
+    plan = grid(1, 4)
+    astray = plan.rooms[3]
+    seen = plan.replace(
+        rooms=(*plan.rooms[:3], msgspec.structs.replace(astray, center=(15.6, 5.5, 1.4))),
+        planes=tuple(
+            msgspec.structs.replace(p, offset=p.offset - p.normal[0] - 3.0 * p.normal[1])
+            if p.id in astray.planes
+            else p
+            for p in plan.planes
+        ),
+    )
+    own = problem(seen, plan)
+    there = explained_at(own, HERE)
+    assert len(there.pairs) == 3
+    alike = math.log(1 + 0.05 * (10 / 0.3) ** 2)
+    expected = 12 * FITS + 3 * SEEN + math.log(0.1) + alike
+    assert evidence(own, there) == pytest.approx(expected)
+    assert compare(seen, plan, own).agrees

@@ -73,7 +73,7 @@ def search(problem: Problem) -> Found:
             if not any(climbed[key] is top for top in tops):
                 tops.append(climbed[key])
     candidates = _raised(problem, _complete(problem, [*climbed.values()]))
-    outside = log_weight_outside(problem, regions) if problem.seen and problem.planned else 0.0
+    outside = log_weight_outside(problem) if problem.seen and problem.planned else 0.0
     return Found(tuple(candidates), tuple(starts), outside)
 
 

@@ -40,6 +40,7 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     p_missing: float = 0.03
     p_missing_shared: float = 0.1
     p_false_room: float = 0.1
+    p_other_room: float = 0.05
     outside_prior: float = 0.01
     p_tied: float = 0.07
     mirror_prior: float = 0.001

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter, defaultdict
+from collections import defaultdict
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from situgraph.experiments.oracle.loops import fit_term, moved_term
 from situgraph.experiments.oracle.moved_walls import moved_together
 from situgraph.experiments.oracle.objects import most_object_evidence, object_evidence
 from situgraph.experiments.oracle.problem import Problem
-from situgraph.experiments.oracle.regions import Regions
+from situgraph.experiments.oracle.shapes import alike_anyway
 from situgraph.experiments.oracle.wall_lines import tied
 
 
@@ -62,16 +62,24 @@ def _plane_term(problem: Problem, found: list[PlanePair]) -> float:
 
 def evidence(problem: Problem, seen: View) -> float:
     """L: walls and rooms, under the policy ``likelihood`` objects too."""
-    walls = wall_evidence(problem, seen)
+    walls = wall_evidence(problem, seen) + _unexplained(problem, seen)
     return walls + object_evidence(problem, seen) if problem.policy == "likelihood" else walls
 
 
+def _unexplained(problem: Problem, seen: View) -> float:
+    """What the rooms say that are not explained: they may be like those of the plan."""
+    explained = {pair.r for pair in seen.pairs}
+    left = [r for r in range(len(problem.seen)) if r not in explained]
+    return sum(alike_anyway(problem, r, problem.constants.p_other_room) for r in left)
+
+
 def most_evidence(problem: Problem) -> float:
-    """The largest L there can be: every wall, every room and every object at its place."""
+    """No L is larger: every wall, every room and every object at its place, and more."""
     c = problem.constants
     planes = {plane for shape in problem.seen for plane in shape.planes}
     walls = len(planes) * fit_term(problem.terms, 0.0, 0.0)
-    total = walls + len(problem.seen) * math.log(1 - c.p_false_room)
+    others = sum(alike_anyway(problem, r, 1.0) for r in range(len(problem.seen)))
+    total = walls + len(problem.seen) * math.log(1 - c.p_false_room) + others
     return total + most_object_evidence(problem) if problem.policy == "likelihood" else total
 
 
@@ -92,18 +100,9 @@ def plan_area(problem: Problem) -> float:
     return float(sum(np.prod(np.ptp(np.array(c), axis=0) + grown) for c in by_storey.values()))
 
 
-def log_weight_outside(problem: Problem, regions: Regions) -> float:
+def log_weight_outside(problem: Problem) -> float:
     """Ln W of 'not in this plan': another building is made of similar rooms."""
     c = problem.constants
-    total = math.log(c.outside_prior)
-    sharing = Counter(plane for mine in problem.seen for plane in mine.planes)
-    for r, mine in enumerate(problem.seen):
-        # A room is placed by two of its walls, the others are its shape; a wall that bounds several
-        # rooms is shared out among them.
-        own = sum(1 / sharing[plane] for plane in mine.planes)
-        walls = max(0.0, min(c.shape_walls, own) - 2)
-        alike = sum(regions.fits_somewhere(r, a) for a in range(len(problem.planned)))
-        gain = (c.clutter_length / (2 * c.fit_limit)) ** walls
-        total += math.log(1 + alike / len(problem.planned) * gain) if walls > 0 else 0.0
+    rooms = sum(alike_anyway(problem, r, 1.0) for r in range(len(problem.seen)))
     same = c.p_tied * c.clutter_length / (2 * c.fit_limit)
-    return total + tied(problem) * math.log(1 + same)
+    return math.log(c.outside_prior) + rooms + tied(problem) * math.log(1 + same)
