@@ -23,6 +23,7 @@ from situgraph.matching.slack import Slack, give, wrapped
 YAW, TURN, PX, PY, UX, UY, HU, HV, AX, AY = range(10)  # columns of a box
 SIDES = 10
 ROUNDS = 8  # of shrinking one box
+QUARTER = math.pi / 2
 GAIN = 0.8  # a round that leaves more of the box is the last
 
 
@@ -40,6 +41,18 @@ def reach_of(box):
     c, s, bend, swing = math.cos(yaw), math.sin(yaw), 1 - math.cos(turn), math.sin(turn)
     sweep = 2 * math.sin(turn / 2)
     return Reach(yaw, turn, c, s, bend, swing, sweep, ax, ay, px, py, radius(box))
+
+
+@part
+def reach_again(case, box):
+    """``reach_of`` a box whose yaws are those of many others: the last of each quarter are kept."""
+    kept = case.spans.turned[round(box[YAW] / QUARTER) & 3]
+    if kept[0] != box[YAW] or kept[1] != box[TURN]:
+        new = reach_of(box)
+        kept[0], kept[1], kept[2], kept[3] = new.yaw, new.turn, new.cos, new.sin
+        kept[4], kept[5], kept[6] = new.bend, new.swing, new.sweep
+    turned = (kept[0], kept[1], kept[2], kept[3], kept[4], kept[5], kept[6])
+    return Reach(*turned, box[AX], box[AY], box[PX], box[PY], radius(box))
 
 
 @part
@@ -95,6 +108,18 @@ def possible(case, box, at, r):
         ):
             return True
     return False
+
+
+@part
+def confine(case, box, r):
+    """Cut from a box where room ``r`` cannot be explained; False when that is all of it."""
+    spans = case.spans
+    case.options.count[r] = 0
+    if not _span(case, box, reach_again(case, box), r):
+        return False
+    for side in range(3):
+        _cut(box, side, spans.low[side, r], spans.high[side, r])
+    return True
 
 
 @part

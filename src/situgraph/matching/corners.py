@@ -1,8 +1,8 @@
-"""Prior rooms found by their corners: a hash of cells, each corner entered wherever it may matter.
+"""Prior rooms found by their corners, sorted by direction and cells of the plan.
 
-A room that explains another shares a corner with it, up to the tolerances. So each corner (a
-crossing of two planes of a room that are not parallel, adjacent or not) is entered in every cell
-within reach, and one look into one cell finds all rooms in question.
+A room that explains another shares a corner with it, up to the tolerances: a crossing of two planes
+of a room that are not parallel, adjacent or not. Cells are as many as corners, about, so both stay
+in the processor's cache, and a look at a few metres of the plan reads one row or two.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -10,7 +10,7 @@ within reach, and one look into one cell finds all rooms in question.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,152 +18,90 @@ from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.records import record_at
-from situgraph.matching.tables import Floats, Ints, Short, Table
+from situgraph.matching.tables import Floats, Ints, Shorts, Single, Singles, Table
 
-NEAR_CELL, NEAR_REACH = 1.0, 1.5
-FAR_CELL, FAR_REACH = 4.0, 6.0
-SECTORS = 16  # directions of a corner's first plane
-ROUNDING = math.radians(0.5)
-MOST_CORNERS = 600  # of one room; rooms with more are tried everywhere
-
-
-@part
-def bucket(storey, sector, ix, iy):
-    """A well mixed number of a cell, below 2^40."""
-    h = (
-        np.uint64(ix + 1048576) * np.uint64(0x9E3779B97F4A7C15)
-        + np.uint64(iy + 1048576) * np.uint64(0xC2B2AE3D27D4EB4F)
-        + np.uint64(storey * SECTORS + sector + 1) * np.uint64(0x165667B19E3779F9)
-    )
-    h ^= h >> np.uint64(29)
-    h *= np.uint64(0xBF58476D1CE4E5B9)
-    return np.int64(h >> np.uint64(24))
-
-
-@part
-def sector_of(angle):
-    """The sector of a direction."""
-    return math.floor(angle / (2 * math.pi) * SECTORS) % SECTORS
-
-
-@part
-def corners_of(first, row, a, least_sine, out):
-    """Crossings of room ``a``'s planes into ``out`` (k, 3): x, y, direction of the first plane.
-
-    Returns their number, even where there is no room for all.
-    """
-    count = 0
-    for i in range(first[a], first[a + 1]):
-        for j in range(first[a], first[a + 1]):
-            cross = row[i, 0] * row[j, 1] - row[i, 1] * row[j, 0]
-            if cross < least_sine:
-                continue
-            if count < len(out):
-                out[count, 0] = (row[i, 1] * row[j, 2] - row[j, 1] * row[i, 2]) / cross
-                out[count, 1] = (row[j, 0] * row[i, 2] - row[i, 0] * row[j, 2]) / cross
-                out[count, 2] = row[i, 3]
-            count += 1
-    return count
+MOST_PLANES = 34  # of a room; those with more have too many corners and are tried everywhere
+LEAST_CELL = 1.0  # metres
+QUARTER = math.pi / 2
+ROUNDED = 1e-6  # of a length, by which single precision may be off, and more
 
 
 class Entering(NamedTuple):
-    """The rooms to be entered, and the table."""
+    """The rooms whose corners are listed, and the list."""
 
     first: Ints  # (M + 1,)
     row: Table  # (Q, 4)
-    storey: Ints  # (M,)
-    start: Ints  # (2^bits + 1,) counts, then, for the second pass, where each bucket begins
-    entry: Short  # (k,) corners; empty when they are only counted
-    tag: Short
-    begin: Ints  # (M + 1,) each room's place among all corners
-    place: Table  # (C, 2) of each corner
-    owner: Ints  # (C,) its room
-    corner: Table  # (MOST_CORNERS, 3)
-    cell: float
-    reach: float
-    slack: float
-    sine: float
-    bits: int
+    sine: float  # of two planes that cross, at least
+    corner: Table  # (C, 4) x, y, direction of the first plane, room; with room to spare
+    count: Ints  # type: ignore[assignment]  # (1,)
 
 
 @entry
-def enter_corners(place):
-    """Enter all corners of an ``Entering``; with empty ``entry`` only count them.
-
-    Into ``start[bucket + 1]``.
-    """
+def list_corners(place):
+    """List all corners of an ``Entering``, the second plane counter-clockwise of the first."""
     table = record_at(place, Entering)
-    for a in range(len(table.storey)):
-        count = corners_of(table.first, table.row, a, table.sine, table.corner)
-        if count <= MOST_CORNERS:
-            for c in range(count):
-                k = table.begin[a] + c
-                table.place[k, 0], table.place[k, 1] = table.corner[c, 0], table.corner[c, 1]
-                table.owner[k] = a
-                _enter(table, a, k, table.corner[c])
-
-
-@part
-def _enter(table, a, k, corner):
-    start, cell, reach = table.start, table.cell, table.reach
-    mask = (1 << table.bits) - 1
-    low = sector_of(corner[2] - table.slack)
-    sectors = (sector_of(corner[2] + table.slack) - low) % SECTORS + 1
-    y0, y1 = math.floor((corner[1] - reach) / cell), math.floor((corner[1] + reach) / cell)
-    for s in range(sectors):
-        for ix in range(
-            math.floor((corner[0] - reach) / cell), math.floor((corner[0] + reach) / cell) + 1
-        ):
-            for iy in range(y0, y1 + 1):
-                h = bucket(table.storey[a], (low + s) % SECTORS, ix, iy)
-                b = h & mask
-                if len(table.entry) == 0:
-                    start[b + 1] += 1
-                else:
-                    table.entry[start[b]] = k
-                    table.tag[start[b]] = (h >> 24) & 0xFFFF
-                    start[b] += 1
+    row, corner, k = table.row, table.corner, 0
+    for a in range(len(table.first) - 1):
+        if table.first[a + 1] - table.first[a] > MOST_PLANES:
+            continue
+        for i in range(table.first[a], table.first[a + 1]):
+            for j in range(table.first[a], table.first[a + 1]):
+                cross = row[i, 0] * row[j, 1] - row[i, 1] * row[j, 0]
+                if cross < table.sine:
+                    continue
+                corner[k, 0] = (row[i, 1] * row[j, 2] - row[j, 1] * row[i, 2]) / cross
+                corner[k, 1] = (row[j, 0] * row[i, 2] - row[i, 0] * row[j, 2]) / cross
+                corner[k, 2], corner[k, 3] = row[i, 3], a
+                k += 1
+    table.count[0] = k
 
 
 class Corners(NamedTuple):
-    """All corners of the rooms that have not too many."""
+    """The corners of a plan, by storey, quarter of the first plane's direction, and cell."""
 
-    begin: Ints  # (M + 1,) each room's, with room to spare
-    place: Floats  # (C, 2)
-    owner: Ints  # (C,)
-
-
-def room_for_corners(first: Ints) -> Corners:
-    """Room for the corners of all rooms, which the first table fills."""
-    planes = np.diff(first)
-    most = np.minimum(planes * (planes - 1) // 2, MOST_CORNERS)
-    begin = np.concatenate([[0], np.cumsum(most)]).astype(np.int64)
-    return Corners(begin, np.zeros((begin[-1], 2)), np.zeros(begin[-1], dtype=np.int64))
+    begin: Shorts  # (storeys * 4 * rows * columns + 1,) where each cell's corners begin
+    place: Singles  # (C, 2)
+    angle: Single  # (C,) direction of the first plane
+    room: Shorts  # (C,)
+    cells: Ints  # (2,) columns, rows
+    origin: Floats  # (4,) x, y in metres, how many cells a metre has; middle of the first quarter
 
 
-def corner_table(
-    first: Ints,
-    row: Floats,
-    storey: Ints,
-    corners: Corners,
-    cell: float,
-    reach: float,
-    config: MatchingConfig,
-) -> tuple[Ints, Any, Any]:
-    """Buckets of corners: ``start`` (2^bits + 1,), corners and tags; fills ``corners``."""
-    slack = 2 * config.angle_tolerance + ROUNDING
+def corners_of(first: Ints, row: Floats, storey: Ints, config: MatchingConfig) -> Corners:
+    """The corners of all rooms that have not too many planes."""
     least = 0.95 * math.sin(max(math.asin(config.parallel_sine) - 2 * config.angle_tolerance, 0.01))
-    cells = (2 * reach / cell + 1) ** 2 * 2
-    number = (np.diff(first) ** 2 / 4).sum()
-    bits = int(np.clip(math.ceil(math.log2(max(number * cells, 1))), 6, 24))
-    start = np.zeros((1 << bits) + 1, dtype=np.int64)
-    entry = tag = np.empty(0, dtype=np.int32)
-    work = np.empty((MOST_CORNERS, 3))
-    tables = (first, row, storey)
-    sizes = (*corners, work, cell, reach, slack, least, bits)
-    enter_corners(Block.of(Entering, (*tables, start, entry, tag, *sizes)).place)
-    np.cumsum(start, out=start)
-    entry, tag = (np.empty(int(start[-1]), dtype=np.int32) for _ in range(2))
-    at = start.copy()
-    enter_corners(Block.of(Entering, (*tables, at, entry, tag, *sizes)).place)
-    return start, entry, tag
+    planes = np.diff(first)
+    planes = planes[planes <= MOST_PLANES]
+    corner, count = np.empty((int((planes * (planes - 1) // 2).sum()), 4)), np.zeros(1, np.int64)
+    list_corners(Block.of(Entering, (first, row, least, corner, count)).place)
+    corner = corner[: count[0]]
+    room, place = corner[:, 3].astype(np.int32), corner[:, :3].astype(np.float32)
+    parts = 4 * int(storey.max(initial=0)) + 4
+    low = place[:, :2].min(axis=0).astype(float) if len(place) else np.zeros(2)
+    size = place[:, :2].max(axis=0) - low if len(place) else np.zeros(2)
+    cell = max(LEAST_CELL, math.sqrt(float(np.prod(size)) * parts / max(len(place), 1)))
+    cell = max(cell, float(size.sum()) * parts / (len(place) + 1))
+    column, line = np.floor((place[:, :2] - low) * (1.0 / cell)).astype(np.int64).T
+    wide, tall = int(column.max(initial=0)) + 1, int(line.max(initial=0)) + 1
+    base = float(row[0, 3]) if len(row) else 0.0
+    quarter = np.rint((place[:, 2].astype(float) - base) / QUARTER).astype(np.int64) & 3
+    at = ((4 * storey[room] + quarter) * tall + line) * wide + column
+    order = np.argsort(at, kind="stable")
+    begin = np.zeros(parts * wide * tall + 1, dtype=np.int32)
+    np.cumsum(np.bincount(at, minlength=parts * wide * tall), out=begin[1:])
+    cells, origin = np.array([wide, tall]), np.array([*low, 1.0 / cell, base])
+    place = place[order]
+    return Corners(begin, place[:, :2].copy(), place[:, 2].copy(), room[order], cells, origin)
+
+
+@part
+def cell_of(plan, side, value):
+    """The column (``side`` 0) or row (1) of a place, the nearest there is."""
+    cell = math.floor((value - plan.corner_origin[side]) * plan.corner_origin[2])
+    return min(max(cell, 0), plan.corner_cells[side] - 1)
+
+
+@part
+def quarter_of(plan, angle):
+    """The quarter of directions that holds one, not reduced to four."""
+    return round((angle - plan.corner_origin[3]) / QUARTER)

@@ -13,6 +13,7 @@ from situgraph.matching.cases import Tables
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.hypotheses import fits_somewhere
+from situgraph.matching.plain import is_plain, mark_whole, whole
 from situgraph.matching.records import record_at
 from situgraph.matching.search import outline, search
 from situgraph.matching.tables import (
@@ -174,11 +175,17 @@ def _shapes_alike(case):
     They are counted for rooms of more than two planes; of the others none is excluded.
     """
     seen, plan, alike, like = case.seen, case.plan, case.found.alike, case.found.like
+    asked = len(case.content.room_need) > 0 or len(case.content.row_need) > 0
     for r in range(len(seen.storey)):
         if case.task.judged[r]:
             continue
         few = seen.first[r + 1] - seen.first[r] < 3
+        by_width = not few and not asked and is_plain(case, r)
+        if by_width:
+            alike[r] = mark_whole(case, r)
         for a in range(len(plan.storey)):
+            if by_width and whole(case, a):
+                continue
             if room_allowed(case, r, a) and (few or fits_somewhere(case, r, a)):
                 like[r, a >> 6] |= 1 << (a & 63)
                 if not few:

@@ -10,6 +10,7 @@ The maps hold too much, never too little.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from situgraph.matching.boxes import (
     AX,
@@ -27,19 +28,42 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
-from situgraph.matching.hypotheses import next_pair_box, next_plain_box
-from situgraph.matching.plain import QUARTER, plain_pair
+from situgraph.matching.hypotheses import next_pair_box
+from situgraph.matching.plain import (
+    BASE,
+    COS,
+    CX,
+    CY,
+    HIGH,
+    LOW,
+    QUARTER,
+    SIN,
+    plain_pair,
+    plain_places,
+)
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import SLACK
 from situgraph.matching.tables import MAPPED, WORK
 
-REACH = 1.0  # metres by which the centre may lie elsewhere in a box
+REACH = 1.0  # metres by which the centre may lie elsewhere in a box; a cell is as wide or wider
 STEP = 0.7  # metres that the farthest room moves, about, in half of a part of the yaws
 DEPTH = 8  # of the halving of the yaws, at most
 PARTS = 2 * DEPTH
 MARKED = 25.0  # cells that a prior room marks in a map, about
 MOST_MARKED = 0.5  # of all cells, in a map that is worth its making
 BITS = 64  # cells of a word
+
+
+class Canvas(NamedTuple):
+    """The maps of a room, while they are drawn."""
+
+    x: float  # where they begin, metres
+    y: float
+    scale: float  # cells a metre
+    columns: int
+    rows: int
+    words: int  # of a row
+    begin: int  # their first word
 
 
 @part
@@ -62,17 +86,20 @@ def _draw(case, r):
         ground.word[k] = 0
     if storey < 0:
         return
+    origin, wide, tall = plan.corner, plan.cells[0], plan.cells[1]
+    canvas = Canvas(origin[0], origin[1], origin[2], wide * BITS, tall, wide, slot * words)
     along, kept = case.found.along, scratch(8)
     for k in range(8):  # the search is among the boxes of another pair of rooms
         kept[k] = along[k >> 2, k & 3]
     for a in range(len(plan.storey)):
         if plan.storey[a] == storey and may_be(case, r, a):
             if plain_pair(case, r, a):
-                _enter_plain(case, r, a)
+                _enter_plain(case, r, a, canvas)
             else:
-                _enter(case, r, a)
+                _enter(case, r, a, canvas)
     for k in range(8):
         along[k >> 2, k & 3] = kept[k]
+    _spread(case, slot)
 
 
 @part
@@ -86,18 +113,31 @@ def _tells(case, r):
 
 
 @part
-def _enter_plain(case, r, a):
-    box = scratch(SIDES)
-    at = next_plain_box(case, r, a, 0, box)
-    while at >= 0:
-        _mark(case, r, box)
-        at = next_plain_box(case, r, a, at, box)
+def _enter_plain(case, r, a, canvas):
+    """Mark what ``next_plain_box`` would give, without making boxes: most maps are drawn here."""
+    plan, along, word = case.plan.plain, case.found.along, case.ground.word
+    low, high = case.seen.plain[r, LOW], case.seen.plain[r, HIGH]
+    yaw = plan[a, BASE] - case.seen.plain[r, BASE] + (low + high) / 2
+    loose = (high - low) / 2 + case.limits.angle + 2 * SLACK
+    first, last = _quarter(case.ground, yaw - loose), _quarter(case.ground, yaw + loose)
+    ux, uy = plan[a, COS], plan[a, SIN]
+    for quarter in range(4):
+        if plain_places(case, r, a, quarter):
+            for m in range(4):
+                i, k = m & 2, (m & 1) << 1
+                u, hu, v, hv = along[0, i], along[0, i + 1], along[1, k], along[1, k + 1]
+                if hu < 0 or hv < 0:
+                    continue
+                x, y = plan[a, CX] + u * ux - v * uy, plan[a, CY] + u * uy + v * ux
+                wide, tall = abs(ux) * hu + abs(uy) * hv, abs(uy) * hu + abs(ux) * hv
+                _mark(word, canvas, x, y, wide, tall, first + quarter, last + quarter)
+        ux, uy = -uy, ux
 
 
 @part
-def _enter(case, r, a):
+def _enter(case, r, a, canvas):
     """By the room's probes: the planes of one have counterparts, moved or not."""
-    seen, plan, limits = case.seen, case.plan, case.limits
+    seen, plan, limits, ground = case.seen, case.plan, case.limits, case.ground
     box = scratch(SIDES)
     reach = limits.fit if seen.strict[r] else limits.moved
     for c in range(seen.probe_first[r], seen.probe_first[r + 1]):
@@ -105,68 +145,91 @@ def _enter(case, r, a):
         case.found.count[WORK] += (plan.first[a + 1] - plan.first[a]) ** 2 // 4
         at = next_pair_box(case, r, i, k, a, 0, reach, box)
         while at >= 0:
-            _mark(case, r, box)
+            wide = abs(box[UX]) * box[HU] + abs(box[UY]) * box[HV]
+            tall = abs(box[UY]) * box[HU] + abs(box[UX]) * box[HV]
+            loose = box[TURN] + limits.angle + 2 * SLACK
+            first, last = _quarter(ground, box[YAW] - loose), _quarter(ground, box[YAW] + loose)
+            _mark(ground.word, canvas, box[PX], box[PY], wide, tall, first, last)
             at = next_pair_box(case, r, i, k, a, at, reach, box)
 
 
 @part
-def _mark(case, r, box):
-    """Mark the cells in which the room's centre may lie, in all quarters the yaws belong to."""
-    ground, plan = case.ground, case.plan
-    wide = abs(box[UX]) * box[HU] + abs(box[UY]) * box[HV] + REACH
-    tall = abs(box[UY]) * box[HU] + abs(box[UX]) * box[HV] + REACH
-    x0, x1 = _column(plan, box[PX] - wide), _column(plan, box[PX] + wide)
-    y0, y1 = _row(plan, box[PY] - tall), _row(plan, box[PY] + tall)
-    loose = box[TURN] + case.limits.angle + 2 * SLACK
-    first = _quarter(ground, box[YAW] - loose)
-    last = _quarter(ground, box[YAW] + loose)
-    words = plan.cells[0]
-    for q in (first, last):
-        at = ((ground.part[0] + r) * 4 + q) * words * plan.cells[1]
-        for y in range(y0, y1 + 1):
-            for w in range(x0 // BITS, x1 // BITS + 1):
-                low, high = max(x0 - w * BITS, 0), min(x1 - w * BITS, BITS - 1)
-                run = -1 if high - low == BITS - 1 else ((1 << (high - low + 1)) - 1) << low
-                ground.word[at + y * words + w] |= run
+def _mark(word, canvas, x, y, wide, tall, first, last):
+    """Mark the cells up to so far from ``(x, y)``, in the quarters ``first`` and ``last``.
+
+    ``_spread`` adds a cell on all sides.
+    """
+    x0 = _cell((x - wide - canvas.x) * canvas.scale, canvas.columns)
+    x1 = _cell((x + wide - canvas.x) * canvas.scale, canvas.columns)
+    y0 = _cell((y - tall - canvas.y) * canvas.scale, canvas.rows)
+    y1 = _cell((y + tall - canvas.y) * canvas.scale, canvas.rows)
+    words = canvas.words
+    for quarter in (first, last):
+        top = canvas.begin + (quarter & 3) * words * canvas.rows
+        for w in range(x0 >> 6, (x1 >> 6) + 1):
+            begin, end = max(x0 - 64 * w, 0), min(x1 - 64 * w, 63)
+            run = ((2 << (end - begin)) - 1) << begin
+            low, high = top + y0 * words + w, top + y1 * words + w
+            word[low] |= run
+            word[high] |= run
+            for k in range(low + words, high, words):
+                word[k] |= run
         if first == last:
             break
 
 
 @part
-def _column(plan, x):
-    column = math.floor((x - plan.corner[0]) * plan.corner[2])
-    return min(max(column, 0), plan.cells[0] * BITS - 1)
+def _spread(case, slot):
+    """Add to the cells marked in a map those beside them."""
+    word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
+    for quarter in range(4):
+        begin = (slot * 4 + quarter) * words * rows
+        end = begin + words * rows
+        for y in range(begin, end, words):
+            before, now = 0, word[y]
+            for k in range(y, y + words):
+                after = word[k + 1] if k + 1 < y + words else 0
+                word[k] = now | (now << 1) | (now >> 1) | (before >> 63) & 1 | (after << 63)
+                before, now = now, after
+        for column in range(begin, begin + words):
+            before = 0
+            for k in range(column, end, words):
+                now = word[k]
+                word[k] = now | before | (word[k + words] if k + words < end else 0)
+                before = now
 
 
 @part
-def _row(plan, y):
-    row = math.floor((y - plan.corner[1]) * plan.corner[2])
-    return min(max(row, 0), plan.cells[1] - 1)
+def _cell(value, count):
+    """The cell of ``count`` that is nearest to a place, in cells."""
+    return min(max(math.floor(value), 0), count - 1)
 
 
 @part
 def _quarter(ground, yaw):
-    return round((yaw - ground.base) / QUARTER) & 3
+    return round((yaw - ground.base) / QUARTER)
 
 
 @part
 def _lies(case, r, quarter, x, y):
     """Whether the centre of ``r`` may lie within ``REACH`` of a place in the plan."""
-    plan, column = case.plan, _column(case.plan, x)
-    at = ((case.ground.part[0] + r) * 4 + quarter) * plan.cells[1] + _row(plan, y)
-    at = at * plan.cells[0] + column // BITS
-    return (case.ground.word[at] >> (column & (BITS - 1))) & 1 == 1
+    plan = case.plan
+    origin, wide, tall = plan.corner, plan.cells[0], plan.cells[1]
+    column = _cell((x - origin[0]) * origin[2], wide * BITS)
+    row = ((case.ground.part[0] + r) * 4 + quarter) * tall
+    row += _cell((y - origin[1]) * origin[2], tall)
+    word = case.ground.word[row * wide + column // BITS]
+    return (word >> (column & (BITS - 1))) & 1 == 1
 
 
 @part
 def partners_lie(case, box, g):
     """Whether the other rooms of group ``g`` may lie where they can be explained, all of them."""
-    groups, half = case.groups, box[TURN] / 2
-    farthest = (REACH - radius(box)) / (2 * math.sin(half / 2) + 1e-12)
+    groups, halves = case.groups, _halves(case.ground, box)
+    farthest = (REACH - radius(box)) / halves[8]
     for side in range(2):
-        yaw = box[YAW] + (half if side else -half)
-        c, s = math.cos(yaw), math.sin(yaw)
-        quarter, k = _quarter(case.ground, yaw), groups.first[g] + 1
+        c, s, quarter = halves[2 + side], halves[4 + side], int(halves[6 + side])
+        k = groups.first[g] + 1
         while k < groups.first[g + 1] and not _lost(
             case, box, groups.member[k], quarter, c, s, farthest
         ):
@@ -174,6 +237,24 @@ def partners_lie(case, box, g):
         if k == groups.first[g + 1]:
             return True
     return False
+
+
+@part
+def _halves(ground, box):
+    """The two halves of the yaws of a box: cosines, sines and quarters of their middles.
+
+    From number 2 on, and how far a place at a metre moves within one. Few boxes have yaws of their
+    own, so the last of each quarter is kept.
+    """
+    halves = ground.halves[_quarter(ground, box[YAW]) & 3]
+    if halves[0] != box[YAW] or halves[1] != box[TURN]:
+        halves[0], halves[1], half = box[YAW], box[TURN], box[TURN] / 2
+        for side in range(2):
+            yaw = box[YAW] + (half if side else -half)
+            halves[2 + side], halves[4 + side] = math.cos(yaw), math.sin(yaw)
+            halves[6 + side] = _quarter(ground, yaw) & 3
+        halves[8] = 2 * math.sin(half / 2) + 1e-12
+    return halves
 
 
 @part
@@ -216,12 +297,12 @@ def _enough_at(case, box, g, yaw, half):
     groups, task = case.groups, case.task
     left = task.budget
     c, s = math.cos(yaw), math.sin(yaw)
-    quarter = _quarter(case.ground, yaw)
+    quarter = _quarter(case.ground, yaw) & 3
     farthest = (REACH - radius(box)) / (2 * math.sin(half / 2) + 1e-12)
     for k in range(groups.told[MAPPED]):
         if groups.apart[k] > farthest:
             break
-        if _lost(case, box, groups.order[k], quarter, c, s, farthest):
+        if _lies_nowhere(case, box, groups.order[k], quarter, c, s):
             left -= task.loss[groups.order[k]]
             if left < 0:
                 return False
@@ -233,8 +314,16 @@ def _lost(case, box, r, quarter, c, s, farthest):
     """Whether room ``r``, up to ``farthest`` from the box's anchor, can be explained nowhere."""
     seen = case.seen
     gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
-    if not case.ground.known[r] or math.sqrt(gx * gx + gy * gy) > farthest:
+    if farthest < 0 or gx * gx + gy * gy > farthest * farthest or not case.ground.known[r]:
         return False
+    return _lies_nowhere(case, box, r, quarter, c, s)
+
+
+@part
+def _lies_nowhere(case, box, r, quarter, c, s):
+    """The same for a room that has a map and is not too far."""
+    seen = case.seen
+    gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
     if not case.ground.drawn[case.ground.part[0] + r]:
         _draw(case, r)
     x, y = box[PX] + c * gx - s * gy, box[PY] + s * gx + c * gy

@@ -7,23 +7,16 @@ import math
 import time
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from situgraph.matching.blocks import Block
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Stock, stock_of
-from situgraph.matching.corners import (
-    FAR_CELL,
-    FAR_REACH,
-    MOST_CORNERS,
-    NEAR_CELL,
-    NEAR_REACH,
-    corner_table,
-    room_for_corners,
-)
-from situgraph.matching.ground import BITS
-from situgraph.matching.plain import plain_rooms
+from situgraph.matching.corners import MOST_PLANES, corners_of
+from situgraph.matching.ground import BITS, REACH
+from situgraph.matching.plain import plain_rooms, widths_of
 from situgraph.matching.reading import Rooms, limits_of, plan_lines, read_rooms, storey_heights
 from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of
 from situgraph.matching.sightings import Rates
@@ -120,24 +113,19 @@ class PlanIndex:
         row[:, 2] = distance - np.einsum("ij,ij->i", normal, self.center[room])
         row[:, 3] = np.arctan2(normal[:, 1], normal[:, 0])
         storey = np.searchsorted(self.elevations, heights)
-        corners = room_for_corners(first)
-        tables = (first, row, storey, corners)
-        near = corner_table(*tables, NEAR_CELL, NEAR_REACH, self.config)
-        far = corner_table(*tables, FAR_CELL, FAR_REACH, self.config)
-        large = np.flatnonzero(np.diff(first) ** 2 > 2 * MOST_CORNERS)
+        large = np.flatnonzero(np.diff(first) > MOST_PLANES)
         lines = _lines(row, room, storey[room], len(self.elevations))
         widest = int(np.diff(first).max(initial=1))
         plain = plain_rooms(first, row[:, 3], distance, self.center)
-        made = (
+        made: tuple[Any, ...] = (
             first,
             row,
             storey,
-            *near,
-            *far,
-            *corners[1:],
+            *corners_of(first, row, storey, self.config),
             large,
             *lines,
             plain,
+            widths_of(plain),
             *cells_of(self.center),
             widest,
             *strands_of(first, row, distance),
@@ -154,7 +142,7 @@ def cells_of(center: Floats) -> tuple[Ints, Floats]:
         return np.zeros(2, dtype=np.int64), np.zeros(3)
     low, high = center.min(axis=0) - MAP_MARGIN, center.max(axis=0) + MAP_MARGIN
     x, y = (high - low).tolist()
-    cell = max(1.0, math.sqrt(x * y / (CELLS_A_ROOM * len(center) + LEAST_CELLS)))
+    cell = max(REACH, math.sqrt(x * y / (CELLS_A_ROOM * len(center) + LEAST_CELLS)))
     wide, tall = math.ceil(x / cell / BITS), math.ceil(y / cell)
     return np.array([wide, tall], dtype=np.int64), np.array([*low, 1.0 / cell])
 

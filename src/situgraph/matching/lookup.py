@@ -1,6 +1,6 @@
 """Which prior rooms might explain an online room that a box of placements puts somewhere.
 
-A superset of the truth, by the corner hash (rooms with a corner) or by lines (rooms of parallel
+A superset of the truth, by their corners (rooms that have some) or by lines (rooms of parallel
 planes, which any room with the same lines explains, however far along them).
 """
 
@@ -12,18 +12,15 @@ import math
 from typing import NamedTuple
 
 from situgraph.matching.compiled import part
-from situgraph.matching.corners import (
-    FAR_CELL,
-    FAR_REACH,
-    NEAR_CELL,
-    NEAR_REACH,
-    bucket,
-    sector_of,
-)
+from situgraph.matching.corners import ROUNDED, cell_of, quarter_of
 from situgraph.matching.slack import wrapped
 from situgraph.matching.strands import first_from
 
+WIDEST = 6.0  # metres by which a corner may be off; of placements wider than that nothing is told
+KEPT, KEPT_TURN = 0.25, 0.02  # metres and radians around a placement whose rooms are kept
+MOST_KEPT = 16  # rooms
 REACHED = 1e-6  # metres, for rounding
+TURNED = 1e-6  # radians, the same
 
 
 class Reach(NamedTuple):
@@ -54,51 +51,120 @@ def find(case, r, storey, at, all_if_wide):
     Of placements ``at`` too wide for the index all rooms are returned, or -1 unless
     ``all_if_wide``.
     """
+    seen = case.seen
+    cx, cy = seen.center[r, 0], seen.center[r, 1]
+    ux, uy = cx - at.ax, cy - at.ay
+    off = at.spread + at.sweep * math.sqrt(ux * ux + uy * uy)
+    x, y = at.px + at.cos * ux - at.sin * uy, at.py + at.sin * ux + at.cos * uy
+    if seen.flat[r]:
+        if off > WIDEST and not all_if_wide:
+            return -1
+        return _by_line(case, r, storey, at.yaw, at.turn, x, y, off)
+    if off <= KEPT / 2 and at.turn <= KEPT_TURN / 2:
+        count = _kept(case, r, storey, at, x, y, off)
+        if count < 0:
+            bend, swing, sweep = 1 - math.cos(KEPT_TURN), math.sin(KEPT_TURN), KEPT_TURN
+            turned = (at.yaw, KEPT_TURN, at.cos, at.sin, bend, swing, sweep)
+            count = _by_corners(case, r, storey, Reach(*turned, cx, cy, x, y, KEPT))
+            _keep(case, r, storey, at.yaw, x, y, count)
+        if count >= 0:
+            return count
+    count = _by_corners(case, r, storey, at)
+    return _everywhere(case, storey) if count < 0 and all_if_wide else count
+
+
+@part
+def _kept(case, r, storey, at, x, y, off):
+    """How many rooms were found for ``r`` around placements that take it to ``(x, y)``.
+
+    Up to ``off`` from there. They are put into ``finder.room``; -1 when it was not looked up there.
+    """
+    finder = case.finder
+    home = finder.home[r]
+    dx, dy, left = x - home[0], y - home[1], KEPT - off
+    if home[3] != storey + 1 or abs(at.yaw - home[2]) + at.turn > KEPT_TURN:
+        return -1
+    if dx * dx + dy * dy > left * left:
+        return -1
+    for k in range(finder.count[r]):
+        finder.room[k] = finder.kept[r, k]
+    return finder.count[r]
+
+
+@part
+def _keep(case, r, storey, yaw, x, y, count):
+    """Keep the rooms found around a placement: climbs and small boxes look there again."""
+    finder = case.finder
+    home = finder.home[r]
+    home[3] = 0.0
+    if count < 0 or count > MOST_KEPT:
+        return
+    home[0], home[1], home[2], home[3] = x, y, yaw, storey + 1
+    finder.count[r] = count
+    for k in range(count):
+        finder.kept[r, k] = finder.room[k]
+
+
+@part
+def _by_corners(case, r, storey, at):
+    """The rooms that have one of the corners by which ``r`` is looked up, -1 if it is too wide."""
     seen, plan, finder = case.seen, case.plan, case.finder
     finder.turn[0] += 1
-    c, s, ax, ay, px, py = at.cos, at.sin, at.ax, at.ay, at.px, at.py
-    if seen.flat[r]:
-        ux, uy = seen.center[r, 0] - ax, seen.center[r, 1] - ay
-        slip = at.spread + at.sweep * math.sqrt(ux * ux + uy * uy)
-        x, y = px + c * ux - s * uy, py + s * ux + c * uy
-        if slip > FAR_REACH and not all_if_wide:
-            return -1
-        return _by_line(case, r, storey, at.yaw, at.turn, x, y, slip)
     count = 0
     for k in range(seen.probe_first[r], seen.probe_first[r + 1]):
-        ux, uy = seen.probe_arm[k, 0] - ax, seen.probe_arm[k, 1] - ay
-        x, y = px + c * ux - s * uy, py + s * ux + c * uy
-        reach = seen.probe_reach[k] + at.spread
-        reach += at.sweep * math.sqrt(ux * ux + uy * uy)
-        sector = sector_of(seen.angle[seen.probe[k, 0]] + at.yaw)
-        if reach <= NEAR_REACH:
-            h = bucket(storey, sector, math.floor(x / NEAR_CELL), math.floor(y / NEAR_CELL))
-            start, corner, tag = plan.near_start, plan.near_corner, plan.near_tag
-        elif reach <= FAR_REACH:
-            h = bucket(storey, sector, math.floor(x / FAR_CELL), math.floor(y / FAR_CELL))
-            start, corner, tag = plan.far_start, plan.far_corner, plan.far_tag
-        elif not all_if_wide:
+        ux, uy = seen.probe_arm[k, 0] - at.ax, seen.probe_arm[k, 1] - at.ay
+        off, arm = seen.probe_reach[k] + at.spread, math.sqrt(ux * ux + uy * uy)
+        if off + at.sweep * arm > WIDEST:
             return -1
-        else:
-            return _everywhere(case, storey)
-        farthest = (reach + REACHED) ** 2
-        b = h & (len(start) - 2)
-        name = (h >> 24) & 0xFFFF
-        for e in range(start[b], start[b + 1]):
-            if tag[e] != name:
-                continue
-            dx, dy = plan.corner_place[corner[e], 0] - x, plan.corner_place[corner[e], 1] - y
-            a = plan.corner_room[corner[e]]
-            if dx * dx + dy * dy <= farthest and finder.last[a] != finder.turn[0]:
-                finder.last[a] = finder.turn[0]
-                finder.room[count] = a
-                count += 1
+        x, y = at.cos * ux - at.sin * uy, at.sin * ux + at.cos * uy
+        angle = seen.angle[seen.probe[k, 0]] + at.yaw
+        count = _by_corner(case, storey, at, x, y, arm, off, angle, count)
     for k in range(len(plan.large)):
         a = plan.large[k]
         if plan.storey[a] == storey and finder.last[a] != finder.turn[0]:
             finder.last[a] = finder.turn[0]
             finder.room[count] = a
             count += 1
+    return count
+
+
+@part
+def _by_corner(case, storey, at, ux, uy, arm, off, angle, count):
+    """Add to ``count`` rooms those with a corner whose first plane has about this direction.
+
+    It is ``off`` at most from where placements ``at`` take the end of an arm ``(ux, uy)``, turned.
+    """
+    plan, finder = case.plan, case.finder
+    x, y = at.px + ux, at.py + uy
+    off += REACHED + ROUNDED * (abs(x) + abs(y))
+    wide = off + abs(ux) * at.bend + abs(uy) * at.swing
+    tall = off + abs(uy) * at.bend + abs(ux) * at.swing
+    low, high = max(arm - off, 0.0), arm + off
+    low, high = low * low, high * high
+    turn = case.limits.angle + at.turn + TURNED
+    x0, x1 = cell_of(plan, 0, x - wide), cell_of(plan, 0, x + wide)
+    y0, y1 = cell_of(plan, 1, y - tall), cell_of(plan, 1, y + tall)
+    first, last = quarter_of(plan, angle - turn), quarter_of(plan, angle + turn)
+    for quarter in range(first, min(last, first + 3) + 1):
+        top = (4 * storey + (quarter & 3)) * plan.corner_cells[1]
+        for line in range(top + y0, top + y1 + 1):
+            row = line * plan.corner_cells[0]
+            for k in range(plan.corner_first[row + x0], plan.corner_first[row + x1 + 1]):
+                dx, dy = plan.corner_place[k, 0] - x, plan.corner_place[k, 1] - y
+                if abs(dx) > wide or abs(dy) > tall:
+                    continue
+                # However they turn, the corner stays as far from the arm's other end.
+                vx, vy = dx + ux, dy + uy
+                away = vx * vx + vy * vy
+                if away < low or away > high:
+                    continue
+                a = plan.corner_room[k]
+                if finder.last[a] == finder.turn[0]:
+                    continue
+                if abs(wrapped(plan.corner_angle[k] - angle)) <= turn:
+                    finder.last[a] = finder.turn[0]
+                    finder.room[count] = a
+                    count += 1
     return count
 
 
@@ -122,6 +188,7 @@ def _by_line(case, r, storey, yaw, turn, x, y, slip):
         case.limits,
         case.finder,
     )
+    finder.turn[0] += 1
     i = seen.first[r]
     far = math.sqrt(x * x + y * y) + slip
     count = 0

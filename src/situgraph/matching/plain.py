@@ -53,6 +53,13 @@ def plain_rooms(first: Ints, angle: Floats, distance: Floats, center: Floats) ->
     return table
 
 
+def widths_of(table: Floats) -> Floats:
+    """Both widths (2, M) of the rooms of such a table that have four planes; NaN of the others."""
+    width = table[:, SIDE : SIDE + 2] + table[:, SIDE + 2 : SIDE + 4]
+    width[np.isnan(width).any(axis=1) | np.isnan(table[:, BASE])] = math.nan
+    return np.ascontiguousarray(width.T)
+
+
 @entry
 def draw_plain(place):
     """Fill the table of a ``Squaring``."""
@@ -96,9 +103,15 @@ def square(t, r, spread, turn, row):
 
 
 @part
+def is_plain(case, r):
+    """Whether online room ``r`` is plain."""
+    return not math.isnan(case.seen.plain[r, BASE])
+
+
+@part
 def plain_pair(case, r, a):
     """Whether both rooms are plain."""
-    return not (math.isnan(case.seen.plain[r, BASE]) or math.isnan(case.plan.plain[a, BASE]))
+    return is_plain(case, r) and not math.isnan(case.plan.plain[a, BASE])
 
 
 @part
@@ -108,6 +121,37 @@ def plain_alike(case, r, a):
         if plain_places(case, r, a, quarter):
             return True
     return False
+
+
+@part
+def mark_whole(case, r):
+    """Mark in ``like`` the plain rooms of four planes that explain plain room ``r`` in isolation.
+
+    Where three planes of ``r`` were seen they all do, as one of them may be missing. Where all four
+    were, one of its widths must be a width of theirs. Returns how many there are.
+    """
+    side, width, like = case.seen.plain[r], case.plan.width, case.found.like[r]
+    one, two = side[SIDE] + side[SIDE + 2], side[SIDE + 1] + side[SIDE + 3]
+    off = case.limits.fit + case.limits.moved + 2 * SLACK
+    if math.isnan(one) or math.isnan(two):
+        one, off = 0.0, math.inf
+    count, rooms = 0, len(case.plan.storey)
+    for word in range(len(like)):
+        bits, begin = 0, word * 64
+        for a in range(begin, min(begin + 64, rooms)):
+            w, v = width[0, a], width[1, a]
+            fits = (abs(w - one) <= off) | (abs(v - one) <= off)
+            fits |= (abs(w - two) <= off) | (abs(v - two) <= off)
+            bits |= int(fits) << (a - begin)
+            count += int(fits)
+        like[word] = bits
+    return count
+
+
+@part
+def whole(case, a):
+    """Whether prior room ``a`` is plain and has four planes."""
+    return not math.isnan(case.plan.width[0, a])
 
 
 @part

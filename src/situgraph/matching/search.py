@@ -13,10 +13,9 @@ from situgraph.matching.boxes import (
     PY,
     SIDES,
     YAW,
+    confine,
     move_anchor,
     narrow,
-    possible,
-    reach_of,
     slack_of,
     squeeze,
 )
@@ -225,7 +224,11 @@ def _try(case, g, start):
         return
     if count[STAGE] != OUTLINING and settled_by(case, box):
         leave(case, box)
-    elif _partners(case, box, g) and enough(case, box, g):
+        return
+    if not (_partners(case, box, g) and enough(case, box, g)):
+        return
+    copy_box(start, box)  # where its middle lies decides which peaks are found: searched uncut
+    if enough(case, box, g):
         if count[STAGE] == OUTLINING:
             _hold(case, box)
         else:
@@ -234,10 +237,9 @@ def _try(case, g, start):
 
 @part
 def _partners(case, box, g):
-    """Whether the other rooms of group ``g`` may be explained somewhere in the box."""
-    groups, at = case.groups, reach_of(box)
-    for k in range(groups.first[g] + 1, groups.first[g + 1]):
-        if not possible(case, box, at, groups.member[k]):
+    """Cut from a box where a partner of group ``g`` cannot be explained; False if that is all."""
+    for k in range(case.groups.first[g] + 1, case.groups.first[g + 1]):
+        if not confine(case, box, case.groups.member[k]):
             return False
     return True
 

@@ -17,8 +17,10 @@ from situgraph.matching.blocks import Block
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-Short = NDArray[np.int32]
+Shorts = NDArray[np.int32]
 Table = Annotated[Floats, None, None]
+Single = NDArray[np.float32]
+Singles = Annotated[NDArray[np.float32], None, None]
 IntTable = Annotated[Ints, None, None]
 CountTable = Annotated[NDArray[np.int16], None, None]
 
@@ -92,14 +94,12 @@ class Plan(NamedTuple):
     first: Ints  # (M + 1,)
     row: Table  # (Q, 4) normal x, y, offset, direction of the normal
     storey: Ints  # (M,)
-    near_start: Ints  # (B + 1,) buckets of corners: one lookup reaches 1.5 m
-    near_corner: Short
-    near_tag: Short
-    far_start: Ints  # the same in larger cells: one lookup reaches 6 m
-    far_corner: Short
-    far_tag: Short
-    corner_place: Table  # (C, 2) of each corner
-    corner_room: Ints  # (C,)
+    corner_first: Shorts  # (cells + 1,) corners by storey, direction and cell (``corners``)
+    corner_place: Singles  # (C, 2)
+    corner_angle: Single  # (C,) direction of the first plane
+    corner_room: Shorts  # (C,)
+    corner_cells: Ints  # (2,) columns, rows
+    corner_origin: Floats  # (4,) x, y in metres, cells a metre; middle of the first quarter
     large: Ints  # rooms with too many corners, tried everywhere
     bin_first: Ints  # (S + 1,) each storey's bins of lines of one direction
     bin_angle: Floats  # (B,)
@@ -108,6 +108,7 @@ class Plan(NamedTuple):
     line_offset: Floats  # (Q,)
     line_room: Ints  # (Q,)
     plain: Table  # (M, 11) rooms of four directions (``plain``)
+    width: Table  # (2, M) their widths, NaN of those that have not four planes
     cells: Ints  # (2,) of a map of the plan (``ground``): words of 64 cells a row, rows
     corner: Floats  # (3,) where it begins, x and y in metres, and how many cells a metre has
     widest: int  # most planes of one room
@@ -185,6 +186,9 @@ class Finder(NamedTuple):
     room: Annotated[Ints, "M"]
     last: Annotated[Ints, "M"]
     turn: Annotated[Ints, 1]  # number of the present search
+    home: Annotated[Floats, "N", 4]  # x, y, yaw around which it was looked up, storey from 1 on
+    count: Annotated[Ints, "N"]  # type: ignore[assignment]  # how many rooms were found there
+    kept: Annotated[Ints, "N", 16]  # and which
 
 
 class Bench(NamedTuple):
@@ -267,6 +271,7 @@ class Spans(NamedTuple):
     off_high: Annotated[Floats, "n"]
     kind: Annotated[Ints, "n"]  # 0: cannot fit, 1: one direction, 2: several
     wide: Annotated[Ints, "N"]  # rooms of which the box is too wide to say where they go
+    turned: Annotated[Floats, 4, 7]  # yaws of boxes looked at last (``Reach``), by quarter
 
 
 class Groups(NamedTuple):
@@ -289,6 +294,7 @@ class Ground(NamedTuple):
     known: Annotated[Ints, "N"]  # whether a room has a map
     drawn: Annotated[Ints, "maps"]  # by shift and room: whether a map has been drawn
     part: Annotated[Ints, 1]  # where in ``drawn`` the present shift begins
+    halves: Annotated[Floats, 4, 9]  # by quarter: yaw and its half width, and their halves
 
 
 class Found(NamedTuple):

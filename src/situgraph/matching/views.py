@@ -52,7 +52,7 @@ def _reach(yaw, x, y, turn, loose):
     """A placement as it is looked up, and by how much residuals are widened."""
     slack = Slack(turn, 1.0, 0.0, loose, loose, 0.0, 0.0, 0.0, 0.0)
     c, s = math.cos(yaw), math.sin(yaw)
-    return Reach(yaw, 0.0, c, s, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, 1.5 * loose), slack
+    return Reach(yaw, turn, c, s, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, 1.5 * loose), slack
 
 
 @part
