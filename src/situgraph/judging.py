@@ -15,6 +15,9 @@ from situgraph.slam.evaluation import absolute_errors, associated
 from situgraph.slam.map_evaluation import room_scores, wall_errors
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from situgraph.coupling import Deviation
     from situgraph.matching import MatchResult
     from situgraph.pipeline import Pipeline
     from situgraph.run import Run
@@ -146,6 +149,35 @@ def outcome(system: Pipeline, truth: Truth) -> dict[str, Any]:
         "readings": len(system.located.readings),
         "readings_apart_m": spread(system.located.readings),
     }
+
+
+# What is true of a told deviation: the kinds of changes that a simulated building has.
+TRUE_OF = {"moved-wall": ("moved-wall",), "missing-object": ("missing-door", "left-out")}
+
+
+def judged_deviations(told: Sequence[Deviation], truth: Truth) -> dict[str, Any]:
+    """Which of the told deviations are true.
+
+    ``told_true`` and ``told_false`` count them by kind, ``told_false_what`` are the sentences of
+    the false ones. A simulated building has no walls and no doors or windows beyond its plan, and
+    none of them stands elsewhere on its wall, so ``extra-...``, ``missing-wall`` and
+    ``moved-object`` are false.
+    """
+    real = {(d.kind, name) for d in truth.deviations for name in d.ids}
+    counts: dict[bool, dict[str, int]] = {True: {}, False: {}}
+    false = []
+    for deviation in told:
+        right = any((kind, deviation.prior) in real for kind in TRUE_OF.get(deviation.kind, ()))
+        counts[right][deviation.kind] = counts[right].get(deviation.kind, 0) + 1
+        if not right:
+            false.append(f"{deviation.kind}: {deviation.message}")
+    return {"told_true": counts[True], "told_false": counts[False], "told_false_what": false}
+
+
+def counted(rows: Sequence[dict[str, Any]], key: str) -> dict[str, int]:
+    """The sums over rows of the counts by kind that stand under ``key``."""
+    kinds = sorted({kind for row in rows for kind in row.get(key, {})})
+    return {kind: sum(row.get(key, {}).get(kind, 0) for row in rows) for kind in kinds}
 
 
 def _placement(

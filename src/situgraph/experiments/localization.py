@@ -16,13 +16,14 @@ import numpy as np
 
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
+from situgraph.judging import counted
 
 if TYPE_CHECKING:
     from situgraph.coupling import Located
     from situgraph.geometry.poses import Array, Placement
     from situgraph.sim.truth import Truth
 
-REVISION = 5
+REVISION = 6
 DATA = "../shared/data"
 # Each building, and how many of its walls are moved: where a few rooms are visited, in full.
 BUILDINGS = {
@@ -71,7 +72,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     from situgraph.config import Settings
     from situgraph.detectors import default_detector, make_detector
     from situgraph.experiments.slam_buildings import drive
-    from situgraph.judging import building_errors, judge, outcome
+    from situgraph.judging import building_errors, judge, judged_deviations, outcome
     from situgraph.run import run_log
     from situgraph.sim.simulation import Simulation
 
@@ -111,6 +112,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
         "ate_building_max_m": float(with_plan.max()),
         "ate_match_only_m": _rms(alone),
         **_deviations(located, truth),
+        **judged_deviations(located.deviations, truth),
     }
 
 
@@ -156,6 +158,7 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     located = [r for r in rows if "ate_building_m" in r]
+    false = counted(located, "told_false")
     errors = [abs(e) for r in located for e in r["deviation_errors_m"]]
     return {
         "drives": len(rows),
@@ -169,6 +172,8 @@ def _summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "moved_faces_seen": sum(r["moved_seen"] for r in located),
         "moved_faces_told": sum(r["moved_told"] for r in located),
         "invented": sum(r["invented"] for r in located),
+        "told_false": sum(false.values()),
+        "told_false_of": false,
         "seconds_to_located": _median([r["located_s"] for r in located]),
         "realtime": _median([r["realtime"] for r in rows]),
     }

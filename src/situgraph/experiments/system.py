@@ -20,6 +20,7 @@ import numpy as np
 
 from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
+from situgraph.judging import counted
 from situgraph.plan.ifc import peak_memory_mb
 from situgraph.plan.layout_config import Kind
 
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from situgraph.sim.simulation import Simulation
     from situgraph.sim.truth import Truth
 
-REVISION = 3
+REVISION = 4
 DATA = "../shared/data"
 RUNS = (10, 100)
 KINDS: tuple[Kind, ...] = typing.get_args(Kind)
@@ -72,7 +73,7 @@ def run(options: RunOptions) -> ExperimentResult:
 def solve(task: Mapping[str, Any]) -> dict[str, Any]:
     """One run."""
     from situgraph.experiments.slam import reset_peak
-    from situgraph.judging import outcome
+    from situgraph.judging import judged_deviations, outcome
 
     reset_peak()
     done, system, truth = _bag(task) if task["building"] == BAG else _drawn(task)
@@ -89,6 +90,7 @@ def solve(task: Mapping[str, Any]) -> dict[str, Any]:
             for e in done.events
         ],
         "reason": done.reason,
+        **judged_deviations(done.deviations, truth),
         "moved": [d.ids for d in truth.deviations if d.kind == "moved-wall"],
         "realtime": done.realtime,
         "peak_mb": peak_memory_mb(),
@@ -164,6 +166,7 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
         name: sum(r["outcome"] == name for r in drawn)
         for name in ("right", "ambiguous", "never", "wrong")
     }
+    told = {which: counted(drawn, f"told_{which}") for which in ("true", "false")}
     located = [r["located_s"] for r in drawn if r["outcome"] == "right"]
     summary: dict[str, Any] = {
         "runs": len(drawn),
@@ -172,9 +175,14 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "realtime_median": float(np.median([r["realtime"] for r in rows])),
         "peak_mb": max(r["peak_mb"] for r in rows),
         "withdrawn": sum(any(e["what"] == "withdrawn" for e in r["events"]) for r in drawn),
+        "told_true": sum(told["true"].values()),
+        "told_false": sum(told["false"].values()),
+        "told": told,
     }
     for row in rows:
         if row["building"] == BAG:
             keys = ("outcome", "placement_error_m", "located_s", "realtime", "peak_mb", "duration")
-            summary["institute bag"] = {k: row[k] for k in keys}
+            summary["institute bag"] = {k: row[k] for k in keys} | {
+                "told_false": sum(row.get("told_false", {}).values())
+            }
     return summary
