@@ -6,6 +6,7 @@ each, the offsets at which points lie. Each straight piece without a gap is fitt
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -16,6 +17,8 @@ from situgraph.geometry.poses import Array, wrap_angle
 from situgraph.slam.config import PlaneConfig
 
 ANGLE_BINS = 360
+WIDTHS = (2.0, 1.5, *[1.0] * 8)  # of the band around a line whose points it is refitted to
+KERNEL = 0.5  # of the band's; residuals this large count a quarter
 VOTE_WIDTH = np.radians(10.0)  # how far a point's own direction may lie from its wall's
 
 
@@ -136,38 +139,44 @@ def _pieces(
 ) -> Iterator[NDArray[np.intp]]:
     """The group cut where nothing lies on the line for more than a gap; far points lie wider."""
     xy = points[group, :2]
-    along = xy @ (-np.sin(angle), np.cos(angle))
+    for piece in _runs(xy, np.array([-np.sin(angle), np.cos(angle)]), config):
+        if len(piece) >= config.least_points:
+            yield group[piece]
+
+
+def _runs(xy: Array, tangent: Array, config: PlaneConfig) -> list[NDArray[np.intp]]:
+    """Indices of the points (n, 2) of each run without a gap along ``tangent``, in its order."""
+    along = xy @ tangent
     order = np.argsort(along, kind="stable")
     step = np.diff(along[order])
     reach = np.linalg.norm(xy[order], axis=1)
     gap = config.gap + 0.02 * np.minimum(reach[:-1], reach[1:])
-    for piece in np.split(order, np.flatnonzero(step > gap) + 1):
-        if len(piece) >= config.least_points:
-            yield group[piece]
+    return np.split(order, np.flatnonzero(step > gap) + 1)
 
 
 def _fit(
     points: Array, angles: Array, piece: NDArray[np.intp], angle: float, config: PlaneConfig
 ) -> tuple[Sighting | None, NDArray[np.intp]]:
-    """A line through the piece, refitted to the points near it; None when it is no wall."""
-    members = piece
-    for width in (2.0, 1.5, 1.0):
-        if len(members) < config.least_points:
-            return None, members
-        xy = points[members, :2]
-        centre = xy.mean(axis=0)
-        _, _, axes = np.linalg.svd(xy - centre, full_matrices=False)
-        normal = axes[1]
-        if normal @ centre > 0:
-            normal = -normal
-        offset = -float(normal @ centre)
+    """A line through the piece, refitted to the points near it; None when it is no wall.
+
+    Of what is near the line the longest run counts: past the end of a wall the leaf of an open
+    door may cross its line.
+    """
+    xy = points[piece, :2]
+    weights = np.ones(len(piece))
+    near = np.ones(len(piece), dtype=bool)
+    for width in WIDTHS:
+        normal, offset = _line(xy[near], weights[near])
         facing = float(np.arctan2(normal[1], normal[0]))
         if np.abs(wrap_angle(facing - angle)) > VOTE_WIDTH:
-            return None, members
-        residual = points[piece, :2] @ normal + offset
-        members = piece[np.abs(residual) < width * config.thickness]
-    if len(members) < config.least_points:
-        return None, members
+            return None, piece[near]
+        residual = xy @ normal + offset
+        near = np.abs(residual) < width * config.thickness
+        near[near] = _longest_run(xy[near], normal, config)
+        if near.sum() < config.least_points:
+            return None, piece[near]
+        weights = (1.0 + (residual / (KERNEL * config.thickness)) ** 2) ** -2
+    members = piece[near]
     if abs(float(np.median(wrap_angle(angles[members] - facing)))) > config.skew:
         return None, members  # its surfaces face another way: a line through a step
     tangent = np.array([-normal[1], normal[0]])
@@ -191,6 +200,24 @@ def _fit(
         ),
         members,
     )
+
+
+def _line(xy: Array, weights: Array) -> tuple[Array, float]:
+    """Normal (2,) towards the sensor and offset of the line that fits points (n, 2) best."""
+    centre = np.average(xy, axis=0, weights=weights)
+    x, y = (xy - centre).T
+    across, down, mixed = weights @ (x * x), weights @ (y * y), weights @ (x * y)
+    along = 0.5 * math.atan2(2.0 * mixed, across - down)
+    normal = np.array([-math.sin(along), math.cos(along)])
+    normal = -normal if normal @ centre > 0 else normal
+    return normal, -float(normal @ centre)
+
+
+def _longest_run(xy: Array, normal: Array, config: PlaneConfig) -> NDArray[np.bool_]:
+    """Which points (n, 2) are of the run with the most of them along a line."""
+    out = np.zeros(len(xy), dtype=bool)
+    out[max(_runs(xy, np.array([-normal[1], normal[0]]), config), key=len)] = True
+    return out
 
 
 def _covariance(along: Array, rms: float, config: PlaneConfig) -> Array:
