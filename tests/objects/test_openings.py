@@ -168,3 +168,16 @@ def test_what_one_frame_alone_showed_does_not_widen_a_door() -> None:
         given([door, thing(1, speck, seen=seen)])[0].ellipsoid.axes[0] for seen in (1, 3)
     )
     assert once < 0.4 < 0.5 < often
+
+
+def test_the_jamb_of_a_door_at_the_corner_is_of_that_door() -> None:
+    """The wall y = 0 of room a has a door up to 0.1 m before its corner with the wall x = 4."""
+    views = room_views(two_rooms(footprint=True), CONFIG)
+    jamb = np.array([(x, y, z) for x in (3.86, 3.9, 3.95) for y in (-0.35, -0.2, -0.1)
+                     for z in np.arange(0.0, 2.1, 0.05)])  # fmt: skip
+    beside = panel(4.0, 0.0, 0.35)
+    door = np.array([(x, 0.0, z) for x in np.arange(3.0, 3.9, 0.05) for z in np.arange(0, 2.1, 0.05)])
+    things = [thing(0, door), thing(1, np.concatenate([jamb, beside]), seen=8)]
+    found = openings(things, views, CONFIG)
+    assert [o.id for o in found.given] == ["o0"]
+    assert np.allclose(found.given[0].center, (3.45, 0.0, 1.0), atol=0.1)

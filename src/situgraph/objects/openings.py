@@ -21,12 +21,10 @@ from situgraph.geometry.poses import Array
 from situgraph.objects.association import confidence, sightings
 from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.gaps import WallGap
+from situgraph.objects.hosting import BEHIND, ENOUGH, host_of, in_walls
 from situgraph.objects.relations import RoomView, tangent
 from situgraph.scenegraph.graph import Ellipsoid, Object
 
-BEFORE, BEHIND = 0.15, 0.25  # m; points so near a face, on either side, are of an opening in it
-ENOUGH = 12  # points in the wall that carry a place
-SAMPLE = 400  # points of a thing that are enough to tell which wall it is in
 JAMB = 0.3  # m; a jamb that is seen beside a gap is no wider
 COLUMN = 0.1  # m; width of the columns in which sightings along a wall are counted
 FILLS = 0.85  # of a face's length; what is wider has no wall beside it
@@ -152,12 +150,12 @@ def _stretches(
     thing: Seen, views: tuple[RoomView, ...], config: ObjectsConfig
 ) -> list[Stretch] | None:
     """The parts of the wall that a thing covers; None where no wall holds it."""
-    host = _host(thing, views)
+    host = host_of(thing.points, thing.hits, views)
     if host is None:
         return None
     view, face = host
     normal = views[view].normals[face]
-    inside = _in_wall(thing.points @ normal + views[view].offsets[face])
+    inside = in_walls(thing.points, views[view])[:, face]
     along = thing.points[inside] @ tangent(normal)
     heights, hits = thing.points[inside, 2], thing.hits[inside]
     core = hits >= config.core_share * np.quantile(hits, 0.9)
@@ -220,32 +218,6 @@ def _runs(along: Array, hits: Array, gap: float, valley: float) -> list[NDArray[
         if len(part) >= ENOUGH:
             found.append(part)
     return found
-
-
-def _host(thing: Seen, views: tuple[RoomView, ...]) -> tuple[int, int] | None:
-    """The room's view and face that most of the points lie in, or None."""
-    best, found = 0.0, None
-    center = np.average(thing.points, axis=0, weights=thing.hits)
-    every = max(1, len(thing.points) // SAMPLE)
-    points, hits = thing.points[::every], thing.hits[::every]
-    for k, view in enumerate(views):
-        near = _in_wall(points @ view.normals.T + view.offsets)
-        weights, counts = hits @ near, near.sum(axis=0) * every
-        for i in np.flatnonzero((weights > best) & (counts >= ENOUGH)).tolist():
-            foot = center - (view.normals[i] @ center + view.offsets[i] - 0.05) * view.normals[i]
-            if weights[i] > best and view.sees(foot[None], 0.1)[0]:
-                best, found = float(weights[i]), (k, i)
-    return found
-
-
-def _in_wall(distance: Array) -> NDArray[np.bool_]:
-    """Which signed distances (m) from a face are in its wall.
-
-    An open leaf that rests against another wall stands a little before it; frame, closed leaf and
-    pane lie behind the face.
-    """
-    within: NDArray[np.bool_] = (distance < BEFORE) & (distance > -BEHIND)
-    return within
 
 
 def _span(stretch: Stretch, views: tuple[RoomView, ...], along: Array) -> tuple[float, float]:

@@ -26,6 +26,8 @@ FAR = 2.0  # m; no object is on a face whose plane is farther from its centre
 LONGER = 1.5  # length over depth, in the plan, from which a thing has a front
 ALONG = 0.7  # cosine between its depth and a wall's normal, from which it can hang there
 
+Span = tuple[float, float] | None  # m along a wall; None: endless
+
 
 @dataclass(frozen=True)
 class RoomView:
@@ -39,7 +41,8 @@ class RoomView:
     bottom: float
     top: float
     outline: Any  # shapely polygon of the footprint, None where it is unknown
-    spans: tuple[tuple[float, float] | None, ...]  # of each plane along its wall; None: endless
+    spans: tuple[Span, ...]  # of each plane along its wall
+    sides: tuple[Span, ...]  # the same from corner to corner of the room, where they are known
 
     def sees(self, points: Array, margin: float) -> NDArray[np.bool_]:
         """Which of the points (n, 3) are in the room, up to ``margin`` of the ray behind a wall.
@@ -120,11 +123,14 @@ def room_views(graph: SceneGraph, config: ObjectsConfig) -> tuple[RoomView, ...]
         bottom, top = floor - slack, floor + height + slack
         outline = _outline(room)
         spans = tuple(_span(p, room) for p in planes)
-        views.append(RoomView(room, planes, normals, offsets, floor, bottom, top, outline, spans))
+        sides = tuple(_side(p, room) for p in planes)
+        views.append(
+            RoomView(room, planes, normals, offsets, floor, bottom, top, outline, spans, sides)
+        )
     return tuple(views)
 
 
-def _span(plane: Plane, room: Room) -> tuple[float, float] | None:
+def _span(plane: Plane, room: Room) -> Span:
     """From where to where (m along its wall) a plane bounds a room; None: unknown.
 
     That is what was seen of it and the sides of the footprint that lie on it: a wall that is mostly
@@ -132,18 +138,25 @@ def _span(plane: Plane, room: Room) -> tuple[float, float] | None:
     """
     if plane.extent is None:
         return None
-    normal = np.array(plane.normal)
-    along = tangent(normal)[:2]
-    ends = np.array(plane.extent) @ along
+    ends = np.array(plane.extent) @ tangent(np.array(plane.normal))[:2]
     if ends[0] == ends[1]:
         return None
-    held = [float(v) for v in ends]
-    if room.footprint is not None:
-        a = np.array(room.footprint)
-        b = np.roll(a, -1, axis=0)
-        away = np.abs(np.stack([a, b]) @ normal[:2] + plane.offset).max(axis=0)
-        held += [float(v) for corner in (a, b) for v in corner[away < STEP] @ along]
+    held = [*ends.tolist(), *(_side(plane, room) or ())]
     return min(held), max(held)
+
+
+def _side(plane: Plane, room: Room) -> Span:
+    """From the first to the last corner (m along its wall) of a room's sides on a plane."""
+    if room.footprint is None:
+        return None
+    normal = np.array(plane.normal)
+    a = np.array(room.footprint)
+    b = np.roll(a, -1, axis=0)
+    on = np.abs(np.stack([a, b]) @ normal[:2] + plane.offset).max(axis=0) < STEP
+    if not on.any():
+        return None
+    along = np.concatenate([a[on], b[on]]) @ tangent(normal)[:2]
+    return float(along.min()), float(along.max())
 
 
 def _outline(room: Room) -> Any:
