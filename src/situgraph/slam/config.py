@@ -176,6 +176,10 @@ class RoomConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     leaf_thickness: Annotated[
         float, setting("... and no thicker", "m", "doors, and noise", gt=0)
     ] = 0.12
+    board: Annotated[
+        float,
+        setting("... and a part of a longer line is a leaf if no thicker", "m", "door leaves", gt=0),
+    ] = 0.06
     collinear: Annotated[
         float, setting("Faces on one line differ less in offset", "m", TESTS, gt=0)
     ] = 0.08

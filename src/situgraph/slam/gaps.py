@@ -10,6 +10,7 @@ the same room.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -61,10 +62,34 @@ def doorways(planes: Sequence[MapPlane], config: RoomConfig) -> list[Gap]:
 
 
 def without_leaves(planes: Sequence[MapPlane], config: RoomConfig) -> list[MapPlane]:
-    """The planes that are no open door leaves: short, and as thin as a board."""
-    short = [p for p in planes if p.length <= config.leaf_length]
-    leaves = {p.number for p in short for q in short if _back_to_back(p, q, config)}
-    return [p for p in planes if p.number not in leaves]
+    """The planes without the open door leaves: stretches that are short and as thin as a board.
+
+    The leaves of two doors may stand in one line and be one plane of the map, so each stretch is
+    looked at by itself; such a one, unlike a plane that is short as a whole, could also be the pier
+    between two doors in a thin wall, and has to be thinner.
+    """
+    most = config.leaf_length + config.corner  # the jamb that it hangs on may be in its line
+    short = [(p, a, b) for p in planes for a, b in p.intervals if b - a <= most]
+    if not short:
+        return list(planes)
+    middle = np.array([p.point((a + b) / 2) for p, a, b in short])
+    normal = np.array([p.normal for p, _, _ in short])
+    length = np.array([b - a for _, a, b in short])
+    whole = np.array([p.length <= config.leaf_length for p, _, _ in short])
+    apart = middle[:, None] - middle[None]
+    behind = np.einsum("ijk,ik->ij", apart, normal)
+    along = np.linalg.norm(apart - behind[..., None] * normal[:, None], axis=2)
+    thick = np.where(whole[:, None] & whole, config.leaf_thickness, config.board)
+    leaf = (
+        (normal @ normal.T < -0.97)
+        & (behind > -0.03)
+        & (behind < thick)
+        & (along <= (length[:, None] + length) / 2)
+        & (np.minimum(length[:, None], length) <= config.leaf_length)
+    )
+    gone = {(p.number, a) for (p, a, _), of in zip(short, leaf.any(axis=0) | leaf.any(axis=1)) if of}
+    left = [(p, [s for s in p.intervals if (p.number, s[0]) not in gone]) for p in planes]
+    return [p if len(s) == len(p.intervals) else replace(p, intervals=s) for p, s in left if s]
 
 
 def _stretches(planes: Sequence[MapPlane]) -> _Stretches:
@@ -137,15 +162,3 @@ def _next_wall(
         & (beside < config.corner + 0.2)
     )
     return float(hit[good][np.argmin(width[good])]) if good.any() else None
-
-
-def _back_to_back(plane: MapPlane, other: MapPlane, config: RoomConfig) -> bool:
-    if float(plane.normal @ other.normal) > -0.97:
-        return False
-    along = other.ends() @ plane.tangent
-    middle = other.ends().mean(axis=0)
-    behind = -(float(plane.normal @ middle) + plane.offset)
-    return (
-        -0.03 < behind < config.leaf_thickness
-        and plane.distance_along(float(along.min()), float(along.max())) == 0.0
-    )
