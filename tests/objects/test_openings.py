@@ -181,3 +181,15 @@ def test_the_jamb_of_a_door_at_the_corner_is_of_that_door() -> None:
     found = openings(things, views, CONFIG)
     assert [o.id for o in found.given] == ["o0"]
     assert np.allclose(found.given[0].center, (3.45, 0.0, 1.0), atol=0.1)
+
+
+def test_frames_that_should_have_shown_one_piece_or_the_other_count_together() -> None:
+    """Patches of a wall that were named door now and then, when the robot was in either room."""
+    one, two = (
+        replace(thing(k, panel(4.0 + 0.2 * k, *y), seen=2), expected=4, score=1.6,
+                frames=(4 * k, 4 * k + 1), due=tuple(range(4 * k, 4 * k + 4)))
+        for k, y in enumerate(JAMBS)
+    )  # fmt: skip
+    assert given([one, two]) == []
+    same = replace(two, frames=(2, 3), due=one.due)
+    assert len(given([one, same])) == 1

@@ -21,7 +21,7 @@ from situgraph.objects.config import ObjectsConfig
 from situgraph.objects.relations import TWO_SIDED
 from situgraph.scenegraph.graph import Ellipsoid, Object
 
-FRAMES = 16  # latest frames remembered of each object, to count those that two pieces share
+FRAMES = 64  # latest frames remembered of each object, to count those that two pieces share
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Track:
     """One object: its points in the frame of its anchor keyframe, and how often it was seen.
 
     ``hits`` (n,) counts the frames that saw each point; ``seen`` those that saw any of it, of which
-    ``frames`` are the latest. ``eye`` (3,) is where the camera was that saw it from nearest, in the
+    ``frames`` are the latest, and ``due`` of the ``expected`` ones. ``eye`` (3,) is where the camera was that saw it from nearest, in the
     frame of the anchor.
     """
 
@@ -51,6 +51,7 @@ class Track:
     expected: int = 0
     score: float = 0.0
     frames: tuple[int, ...] = ()
+    due: tuple[int, ...] = ()
     eye: Array = field(default_factory=lambda: np.zeros(3))
     center: Array = field(default_factory=lambda: np.zeros(3))
     shape: Array = field(default_factory=lambda: np.eye(3))
@@ -75,10 +76,15 @@ def confidence(seen: int, expected: int, score: float) -> float:
 
 
 class Sighted(Protocol):
-    """How often something was ``seen``, the latest of these ``frames``, the sum of its scores."""
+    """How often something was ``seen``, the latest of these ``frames``, the sum of its scores; how
+    often it was ``expected``, and the latest frames in which it was ``due``.
+    """  # noqa: D205
 
     @property
     def seen(self) -> int: ...  # noqa: D102
+
+    @property
+    def expected(self) -> int: ...  # noqa: D102
 
     @property
     def score(self) -> float: ...  # noqa: D102
@@ -86,17 +92,31 @@ class Sighted(Protocol):
     @property
     def frames(self) -> tuple[int, ...]: ...  # noqa: D102
 
+    @property
+    def due(self) -> tuple[int, ...]: ...  # noqa: D102
 
-def sightings(first: Sighted, second: Sighted) -> tuple[int, float, tuple[int, ...]]:
-    """``seen``, ``score`` and ``frames`` of two that are one thing.
 
-    Its pieces in one frame are one sighting, else they would confirm each other.
+def sightings(
+    first: Sighted, second: Sighted
+) -> tuple[int, int, float, tuple[int, ...], tuple[int, ...]]:
+    """``seen``, ``expected``, ``score``, ``frames`` and ``due`` of two that are one thing.
+
+    Its pieces in one frame are one sighting, else they would confirm each other; and a frame that
+    should have shown either of them and did not is a miss.
     """
-    both = first.seen + second.seen
-    shared = len(set(first.frames) & set(second.frames))
-    seen = max(both - shared, first.seen, second.seen)
-    frames = tuple(sorted({*first.frames, *second.frames})[-FRAMES:])
-    return seen, (first.score + second.score) * seen / both, frames
+    seen = _counted(first.seen, second.seen, first.frames, second.frames)
+    expected = _counted(first.expected, second.expected, first.due, second.due)
+    score = (first.score + second.score) * seen / (first.seen + second.seen)
+    return seen, expected, score, _latest(first.frames, second.frames), _latest(first.due, second.due)
+
+
+def _counted(first: int, second: int, of_first: Sequence[int], of_second: Sequence[int]) -> int:
+    """So many frames together; those that both have are known of the latest only."""
+    return max(first + second - len(set(of_first) & set(of_second)), first, second)
+
+
+def _latest(first: Sequence[int], second: Sequence[int]) -> tuple[int, ...]:
+    return tuple(sorted({*first, *second})[-FRAMES:])
 
 
 class ObjectMap:
@@ -158,6 +178,7 @@ class ObjectMap:
         """  # noqa: D205
         for track in tracks:
             track.expected += 1
+            track.due = (*track.due, self._frame)[-FRAMES:]
         self._forget()
 
     def correct(self, poses: Mapping[str, Array]) -> None:
@@ -237,8 +258,9 @@ class ObjectMap:
         if _away(younger) < _away(older):
             older.eye = change[:3, :3] @ younger.eye + change[:3, 3]
         older.points, older.hits = points, hits
-        older.seen, older.score, older.frames = sightings(older, younger)
-        older.expected = max(older.expected, younger.expected)
+        older.seen, older.expected, older.score, older.frames, older.due = sightings(
+            older, younger
+        )
         self._refit(older)
 
     def _refit(self, track: Track) -> None:

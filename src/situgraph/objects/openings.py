@@ -45,6 +45,7 @@ class Seen:
     expected: int
     score: float
     frames: tuple[int, ...] = ()  # the latest that saw it
+    due: tuple[int, ...] = ()  # the latest that should have
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,7 @@ class Stretch:
     expected: int
     score: float
     frames: tuple[int, ...]
+    due: tuple[int, ...]
 
     @property
     def confidence(self) -> float:
@@ -175,7 +177,7 @@ def _stretches(
             Stretch(
                 thing.category, view, face, float(low), float(high), float(bottom), float(top),
                 float(hits[part].sum()), (thing.number,), seen, thing.expected,
-                thing.score * seen / thing.seen, thing.frames,
+                thing.score * seen / thing.seen, thing.frames, thing.due,
             )
         )  # fmt: skip
     return found
@@ -260,7 +262,7 @@ def _united(
     fits = max(first.high, high) - min(first.low, low) <= config.frame_width
     if first.category == "door" and fits and second.seen >= config.min_seen:
         share = 1.0
-    seen, score, frames = sightings(first, second)
+    seen, expected, score, frames, due = sightings(first, second)
     # A weak sighting often shows a part, so it may widen the opening but never narrow it; what
     # still fits a door's frame is part of that frame, if it was seen as often as an object must be.
     return replace(
@@ -272,9 +274,10 @@ def _united(
         weight=first.weight + second.weight,
         numbers=tuple(sorted({*first.numbers, *second.numbers})),
         seen=seen,
-        expected=max(first.expected, second.expected),
+        expected=expected,
         score=score,
         frames=frames,
+        due=due,
     )
 
 

@@ -141,7 +141,7 @@ class ObjectStage:
     def _seen(self, track: Track) -> Seen:
         return Seen(
             track.number, track.category, self.map.points(track), track.hits,
-            track.seen, track.expected, track.score, track.frames,
+            track.seen, track.expected, track.score, track.frames, track.due,
         )  # fmt: skip
 
     def _expected(self, view: View) -> list[Track]:
