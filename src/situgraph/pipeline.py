@@ -247,6 +247,7 @@ class Pipeline:
             pairs,
             evidence=from_slam(self.slam.graph, self.graph),
             looked_for=() if self.objects.detector is None else None,
+            missed=self.objects.missed,
             lines=self.locator.lines,
             found=self.locator.readings,
             config=self.settings.coupling,

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import json
+import math
 
 import msgspec
+import numpy as np
 import pytest
 from tests.coupling.plans import MAP, PRIOR, all_pairs, seen
 
 from situgraph.coupling.association import associate_planes
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.located import Located, locate
-from situgraph.scenegraph.graph import Plane, SceneGraph
+from situgraph.coupling.openings import Missed
+from situgraph.scenegraph.graph import Ellipsoid, Object, Plane, SceneGraph
 from situgraph.scenegraph.transform import transformed
 
 CONFIG = CouplingConfig(plane_sigma=0.01, plane_angle_sigma=0.003)
 
 
-def located(online: SceneGraph, prior: SceneGraph = PRIOR) -> Located:
+def located(online: SceneGraph, prior: SceneGraph = PRIOR, missed: Missed | None = None) -> Located:
     pairs = all_pairs(online)
     known = {r.id for r in prior.rooms}, {p.id for p in prior.planes}, {o.id for o in prior.objects}
     pairs = type(pairs)(
@@ -27,7 +30,7 @@ def located(online: SceneGraph, prior: SceneGraph = PRIOR) -> Located:
         {k: v for k, v in pairs.objects.items() if v in known[2]},
         pairs.storeys,
     )
-    return locate(online, prior, pairs, config=CONFIG)
+    return locate(online, prior, pairs, missed=missed, config=CONFIG)
 
 
 def test_a_building_as_planned_has_none() -> None:
@@ -39,6 +42,76 @@ def test_a_door_that_is_not_there_is_told() -> None:
     less = online.replace(objects=tuple(o for o in online.objects if o.id != "o3"))
     (found,) = located(less).deviations
     assert (found.kind, found.category, found.prior) == ("missing-object", "door", "o3")
+
+
+@pytest.mark.parametrize(("images", "told"), [(0, False), (2, False), (3, True)])
+def test_what_no_image_should_have_shown_is_not_missing(images: int, told: bool) -> None:
+    online, asked = seen(PRIOR), []
+    less = online.replace(objects=tuple(o for o in online.objects if o.id != "o3"))
+
+    def missed(category: str, place: np.ndarray, normal: np.ndarray, half: float) -> int:
+        asked.append((category, place, half))
+        return images
+
+    found = located(less, missed=missed).deviations
+    assert [d.prior for d in found] == ["o3"] * told
+    category, place, half = asked[0]
+    there = next(o for o in online.objects if o.id == "o3")
+    assert category == "door"
+    assert np.allclose(place, there.center, atol=0.02)
+    assert half == pytest.approx(there.ellipsoid.axes[0], abs=0.01)
+
+
+def test_a_door_that_was_seen_too_seldom_is_not_extra() -> None:
+    prior = PRIOR.replace(objects=tuple(o for o in PRIOR.objects if o.id != "o3"))
+    for often, told in ((2, False), (3, True)):
+        online = seen(PRIOR)
+        objects = tuple(
+            msgspec.structs.replace(o, attributes={"seen": often}) for o in online.objects
+        )
+        assert bool(located(online.replace(objects=objects), prior).deviations) is told
+
+
+@pytest.mark.parametrize(("narrow", "by", "told"), [(0.5, 0.5, False), (0.5, 0.9, True)])
+def test_half_a_door_is_not_a_door_that_was_moved(narrow: float, by: float, told: bool) -> None:
+    online = seen(PRIOR)
+    shift = MAP.inverse().vectors([0.0, by, 0.0])
+    objects = tuple(
+        msgspec.structs.replace(
+            o,
+            center=tuple(a + float(b) for a, b in zip(o.center, shift)),
+            ellipsoid=msgspec.structs.replace(
+                o.ellipsoid, axes=(narrow * o.ellipsoid.axes[0], *o.ellipsoid.axes[1:])
+            ),
+        )
+        if o.id == "o3"
+        else o
+        for o in online.objects
+    )
+    found = located(online.replace(objects=objects)).deviations
+    assert [d.kind for d in found] == ["moved-object"] * told
+
+
+@pytest.mark.parametrize(("by", "told"), [(-0.13, False), (0.13, True), (-0.35, True)])
+def test_panes_and_shut_doors_in_a_face_are_not_its_wall(by: float, told: bool) -> None:
+    """A glass front: its panes stand 0.1 m behind the wall's face, which is hardly seen."""
+    face = next(p for p in PRIOR.planes if p.id == "p0")
+    (ax, ay), (bx, by_) = face.extent
+    front = Object(
+        "front", "window", ((ax + bx) / 2, (ay + by_) / 2, 1.0), None, ("r1",), (face.id,)
+    )
+    n = np.array(face.normal)
+    length = float(np.hypot(bx - ax, by_ - ay))
+    yaw = math.atan2(n[1], n[0]) - math.pi / 2
+    front = msgspec.structs.replace(
+        front,
+        center=tuple(float(v) for v in np.array(front.center) - 0.1 * n),
+        ellipsoid=Ellipsoid((0.4 * length, 0.1, 1.0), (0, 0, math.sin(yaw / 2), math.cos(yaw / 2))),
+    )
+    prior = PRIOR.replace(objects=(*PRIOR.objects, front))
+    online = seen(prior, {face.id: by})
+    found = [d.prior for d in located(online, prior).deviations]
+    assert found == [face.id] * told
 
 
 def test_a_door_that_was_not_planned_is_told() -> None:

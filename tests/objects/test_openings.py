@@ -176,7 +176,7 @@ def test_the_jamb_of_a_door_at_the_corner_is_of_that_door() -> None:
     jamb = np.array([(x, y, z) for x in (3.86, 3.9, 3.95) for y in (-0.35, -0.2, -0.1)
                      for z in np.arange(0.0, 2.1, 0.05)])  # fmt: skip
     beside = panel(4.0, 0.0, 0.35)
-    door = np.array([(x, 0.0, z) for x in np.arange(3.0, 3.9, 0.05) for z in np.arange(0, 2.1, 0.05)])
+    door = panel(0.0, 3.0, 3.9)[:, [1, 0, 2]]
     things = [thing(0, door), thing(1, np.concatenate([jamb, beside]), seen=8)]
     found = openings(things, views, CONFIG)
     assert [o.id for o in found.given] == ["o0"]

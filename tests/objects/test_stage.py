@@ -215,3 +215,23 @@ def test_who_passes_the_end_of_a_wall_passes_no_door() -> None:
     assert in_walls(passages[3.0], (), graph, ONCE) == [*passages[3.0]]  # ends not known
     gap = WallGap(np.array([[4.0, 2.5], [4.0, 3.5]]), 0.0)
     assert in_walls(passages[3.0], [gap], half, ONCE) == [*passages[3.0]]
+
+
+def test_a_place_that_images_show_without_an_object_is_counted() -> None:
+    stage, half = ObjectStage(Painted()), 0.45
+    normal, here, up = np.array([-1.0, 0.0, 0.0]), np.array([4.0, 2.0, 1.0]), np.array([0, 0, 3.0])
+    for k in range(3):
+        stage.feed(view(f"k{k}", 1.5, 2.0, 0.0, blind=True))
+    stage.feed(view("k3", 1.5, 2.0, 1.5, blind=True))  # looks elsewhere
+    stage.feed(view("k4", 3.3, 0.5, 1.1, blind=True))  # looks along the wall
+    assert stage.missed("door", here, normal, half) == 3
+    assert stage.missed("door", here + up, normal, half) == 0  # over the image
+    assert stage.missed("door", here + np.array([1.5, 0.0, 0.0]), normal, half) == 0  # hidden
+    stage.feed(view("k5", 1.5, 2.0, 0.0))
+    assert stage.missed("door", here, normal, half) == 4  # once may be by chance
+    stage.feed(view("k6", 1.5, 2.1, 0.0))
+    assert stage.missed("door", here, normal, half) == 0
+    assert stage.missed("window", here, normal, half) == 5
+    beside = np.array([4.0, 3.0, 1.0])
+    assert stage.missed("door", beside, normal, half) == 0  # a part of it was seen
+    assert stage.missed("door", beside, normal, 0.2) > 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,14 @@ import numpy as np
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import WallEstimate
 from situgraph.coupling.deviation import Deviation, along_of, names_of
-from situgraph.coupling.openings import differing_openings
+from situgraph.coupling.openings import OPENINGS, differing_openings, reach
 from situgraph.coupling.walls import stretch
-from situgraph.scenegraph.graph import Plane, SceneGraph
+from situgraph.scenegraph.graph import Object, Plane, SceneGraph
 
 INSIDE = 0.3  # m; a face this far inside a planned room is no wall of it
 ALIKE = math.radians(20.0)  # faces that differ less may be one that was built askew
 HALF = 0.5  # a face is missing when at least this share of it is open
+SILL = 0.3  # m; below an opening that begins no higher no wall is seen
 
 
 def find_deviations(
@@ -27,6 +28,7 @@ def find_deviations(
     rooms: Mapping[str, str],
     objects: Mapping[str, str],
     looked_for: Collection[str] | None,
+    missed: Callable[[Object, Plane], int] | None,
     config: CouplingConfig,
 ) -> tuple[Deviation, ...]:
     """All that differs, walls first.
@@ -38,6 +40,7 @@ def find_deviations(
         rooms: online room -> planned room.
         objects: online object -> planned object, as matched.
         looked_for: categories the robot would have seen; None: those that ``seen`` has.
+        missed: how many images should have shown a planned opening in its wall; None: enough.
         config: what is worth telling.
     """
     able = (seen.categories if looked_for is None else set(looked_for)) & prior.modelled
@@ -45,7 +48,7 @@ def find_deviations(
         *_moved_walls(seen, prior, walls, config),
         *_missing_walls(seen, prior, walls, rooms, config),
         *_extra_walls(seen, prior, walls, rooms, config),
-        *differing_openings(seen, prior, walls, rooms, objects, able, config),
+        *differing_openings(seen, prior, walls, rooms, objects, able, missed, config),
     )
 
 
@@ -61,7 +64,8 @@ def _moved_walls(
             best[wall.prior] = (common, wall)
     for name, (_, wall) in sorted(best.items()):
         told = max(config.told_offset, config.told_sigmas * wall.offset_sigma)
-        if abs(wall.offset) <= told:
+        face = prior.plane_by_id[name]
+        if abs(wall.offset) <= told or _in_openings(seen.plane_by_id[wall.online], wall, prior):
             continue
         of = prior.rooms_by_plane.get(name, ())
         where = "into" if wall.offset > 0 else "away from"
@@ -78,8 +82,39 @@ def _moved_walls(
             wall.offset_sigma,
             wall.tilt,
             wall.tilt_sigma,
-            _element(prior.plane_by_id[name]),
+            _element(face),
         )
+
+
+def _in_openings(plane: Plane, wall: WallEstimate, prior: SceneGraph) -> bool:
+    """Whether a plane behind a planned face is rather that of shut doors and panes in it.
+
+    Where most of what was seen is planned as openings down to the floor, leaves and panes were
+    seen, which stand in the depth of the wall.
+    """
+    face = prior.plane_by_id[wall.prior]
+    along, normal = along_of(face), np.asarray(face.normal)
+    span = stretch(plane, along)
+    if span is None or wall.offset > 0.0:
+        return False
+    open_to_floor, deep = 0.0, 0.0
+    for item in prior.objects_by_plane.get(face.id, ()):
+        if item.category not in OPENINGS or item.ellipsoid is None:
+            continue
+        at, half = float(along @ item.center[:2]), reach(item.ellipsoid, along)
+        if item.category == "door" or _sill(item, prior) <= SILL:
+            open_to_floor += max(min(at + half, span[1]) - max(at - half, span[0]), 0.0)
+            deep = max(deep, abs(float(normal @ item.center) + face.offset))
+    return -2.0 * deep <= wall.offset and open_to_floor >= HALF * (span[1] - span[0])
+
+
+def _sill(item: Object, prior: SceneGraph) -> float:
+    """How high (m) over the floor an opening begins; infinite where no storey tells."""
+    storeys = [prior.room_by_id[r].storey for r in item.rooms]
+    floors = [prior.storey_by_id[s].elevation for s in storeys if s is not None]
+    if item.ellipsoid is None or not floors:
+        return math.inf
+    return item.center[2] - item.ellipsoid.axes[2] - max(floors)
 
 
 def _common(plane: Plane, face: Plane) -> float:

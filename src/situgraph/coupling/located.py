@@ -14,15 +14,16 @@ import numpy as np
 from situgraph.coupling.association import associate_planes, associate_rooms
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import Coupled, couple
-from situgraph.coupling.deviation import Deviation
+from situgraph.coupling.deviation import Deviation, along_of
 from situgraph.coupling.deviations import find_deviations
 from situgraph.coupling.evidence import Evidence, from_scene
 from situgraph.coupling.lines import WallLines
+from situgraph.coupling.openings import Missed, reach
 from situgraph.coupling.readings import Reading, readings
 from situgraph.coupling.trajectory import Carrier
 from situgraph.coupling.walls import walls
 from situgraph.geometry.poses import Array, Placement
-from situgraph.scenegraph.graph import SceneGraph
+from situgraph.scenegraph.graph import Object, Plane, SceneGraph
 
 ROUNDS = 2  # association and solution in turn
 
@@ -57,16 +58,17 @@ class Located:
         pairs: Pairs,
         planes: tuple[tuple[str, str], ...],
         looked_for: Collection[str] | None,
+        missed: Missed | None,
         found: tuple[Reading, ...],
         config: CouplingConfig,
     ) -> None:
-        """``planes`` as associated; ``looked_for``: categories that the robot would have seen."""
+        """``planes`` as associated; ``looked_for`` and ``missed``: see ``locate``."""
         self.readings = found
         self.coupled = coupled
         self.rooms, self.planes = pairs.rooms, planes
         self.carrier = Carrier(online.keyframes, coupled.frames, coupled.building_T_map)
         self._online, self._prior, self._pairs = online, prior, pairs
-        self._looked_for, self._config = looked_for, config
+        self._looked_for, self._missed, self._config = looked_for, missed, config
 
     @property
     def placement(self) -> Placement:
@@ -88,8 +90,18 @@ class Located:
             self.rooms,
             self._pairs.objects,
             self._looked_for,
+            None if self._missed is None else self._images_without,
             self._config,
         )
+
+    def _images_without(self, item: Object, face: Plane) -> int:
+        """How many images show the place of a planned opening in a face, and no trace of one."""
+        assert self._missed is not None
+        back = np.linalg.inv(self.coupled.building_T_map)
+        place = back[:3, :3] @ np.array(item.center) + back[:3, 3]
+        normal = back[:3, :3] @ np.array(face.normal)
+        half = 0.0 if item.ellipsoid is None else reach(item.ellipsoid, along_of(face))
+        return self._missed(item.category, place, normal, half)
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON ``situgraph/located``, version 1."""
@@ -136,6 +148,7 @@ def locate(
     *,
     evidence: Evidence | None = None,
     looked_for: Collection[str] | None = None,
+    missed: Missed | None = None,
     lines: WallLines | None = None,
     found: tuple[Reading, ...] = (),
     config: CouplingConfig | None = None,
@@ -149,6 +162,8 @@ def locate(
         evidence: the factors behind ``online``; None takes its planes as measured one by one.
         looked_for: categories of objects that the robot would have seen; only those can be
             missing or extra. None: those that ``online`` has.
+        missed: how many images show a place and no trace of such an object there; only what several
+            should have shown is missing. None: all is missing that was not found.
         lines: the walls of ``prior``, where they are known already.
         found: the readings near the placement of ``pairs``, likewise.
         config: settings.
@@ -176,7 +191,7 @@ def locate(
         coupled = couple(known, walls(online, prior, planes, placement, lines), placement, settings)
     rooms = associate_rooms(online, prior, placement, pairs.storeys, pairs.rooms, settings)
     final = Pairs(placement, rooms, pairs.planes, pairs.objects, pairs.storeys)
-    return Located(online, prior, coupled, final, planes, looked_for, found, settings)
+    return Located(online, prior, coupled, final, planes, looked_for, missed, found, settings)
 
 
 def _carried(online: SceneGraph, coupled: Coupled, carrier: Carrier) -> SceneGraph:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -10,10 +11,14 @@ from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import WallEstimate
 from situgraph.coupling.deviation import Deviation, Kind, along_of, names_of
 from situgraph.coupling.walls import stretch
+from situgraph.geometry.ellipsoids import shape_matrix
 from situgraph.geometry.poses import Array
-from situgraph.scenegraph.graph import Object, SceneGraph
+from situgraph.scenegraph.graph import Ellipsoid, Object, Plane, SceneGraph
 
 OPENINGS = ("door", "window")  # what a wall has, and what detectors are made for
+# (category, place (3,), normal (3,) of its wall, half of its width in m) -> how many images show
+# the place and no trace of such a thing; all in the map frame.
+Missed = Callable[[str, Array, Array, float], int]
 
 
 def differing_openings(
@@ -23,9 +28,13 @@ def differing_openings(
     rooms: Mapping[str, str],
     objects: Mapping[str, str],
     looked_for: Collection[str],
+    missed: Callable[[Object, Plane], int] | None,
     config: CouplingConfig,
 ) -> Iterable[Deviation]:
-    """Doors and windows on faces that were seen: moved along them, missing, extra."""
+    """Doors and windows on faces that were seen: moved along them, missing, extra.
+
+    ``missed`` counts the images that should have shown one in its wall; None: all did.
+    """
     able = set(looked_for) & set(OPENINGS)
     faces: dict[str, list[str]] = {}
     for wall in walls:
@@ -40,16 +49,20 @@ def differing_openings(
         along = along_of(prior.plane_by_id[hosts[0]])
         if partner is not None:
             told.add(partner)
-            shift = float(along @ _flat(seen.object_by_id[partner], item))
+            shift = _shift(seen.object_by_id[partner], item, along)
             if abs(shift) > config.moved_object:
                 what = f"stands {abs(shift):.2f} m from its planned place"
                 yield _about("moved-object", item, prior, what, online=partner, offset=shift)
-        elif _looked_at(item, hosts, faces, seen, prior) and set(item.rooms) <= set(rooms.values()):
+        elif (
+            _looked_at(item, hosts, faces, seen, prior)
+            and set(item.rooms) <= set(rooms.values())
+            and (missed is None or _missed(item, hosts, prior, missed) >= config.least_sightings)
+        ):
             yield _about("missing-object", item, prior, "was planned and not found")
     planned = {w.online for w in walls}
     for item in seen.objects:
         host = next((p for p in item.planes if p in planned), None)
-        sightings = item.attributes.get("sightings", config.least_sightings)
+        sightings = item.attributes.get("seen", config.least_sightings)
         seldom = isinstance(sightings, int) and sightings < config.least_sightings
         if item.category not in able or host is None or item.id in pairs or seldom:
             continue
@@ -63,6 +76,33 @@ def differing_openings(
             prior=None,
             rooms=of,
         )
+
+
+def _shift(seen: Object, planned: Object, along: Array) -> float:
+    """The least shift (m) along a wall under which one of them covers the other.
+
+    Half a window that was seen is not a window that was moved.
+    """
+    apart = float(along @ _flat(seen, planned))
+    if seen.ellipsoid is None or planned.ellipsoid is None:
+        return apart
+    wider = abs(reach(seen.ellipsoid, along) - reach(planned.ellipsoid, along))
+    return math.copysign(max(abs(apart) - wider, 0.0), apart)
+
+
+def reach(ellipsoid: Ellipsoid, along: Array) -> float:
+    """How far (m) an ellipsoid reaches from its middle along a direction (2,) of the plan."""
+    shape = shape_matrix(ellipsoid.axes, ellipsoid.rotation)
+    return math.sqrt(float(along @ shape[:2, :2] @ along))
+
+
+def _missed(
+    item: Object,
+    hosts: Sequence[str],
+    prior: SceneGraph,
+    missed: Callable[[Object, Plane], int],
+) -> int:
+    return max(missed(item, prior.plane_by_id[host]) for host in hosts)
 
 
 def _paired(

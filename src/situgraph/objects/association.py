@@ -38,8 +38,8 @@ class Track:
     """One object: its points in the frame of its anchor keyframe, and how often it was seen.
 
     ``hits`` (n,) counts the frames that saw each point; ``seen`` those that saw any of it, of which
-    ``frames`` are the latest, and ``due`` of the ``expected`` ones. ``eye`` (3,) is where the camera was that saw it from nearest, in the
-    frame of the anchor.
+    ``frames`` are the latest, and ``due`` of the ``expected`` ones. ``eye`` (3,) is where the
+    camera was that saw it from nearest, in the frame of the anchor.
     """
 
     number: int
@@ -107,7 +107,13 @@ def sightings(
     seen = _counted(first.seen, second.seen, first.frames, second.frames)
     expected = _counted(first.expected, second.expected, first.due, second.due)
     score = (first.score + second.score) * seen / (first.seen + second.seen)
-    return seen, expected, score, _latest(first.frames, second.frames), _latest(first.due, second.due)
+    return (
+        seen,
+        expected,
+        score,
+        _latest(first.frames, second.frames),
+        _latest(first.due, second.due),
+    )
 
 
 def _counted(first: int, second: int, of_first: Sequence[int], of_second: Sequence[int]) -> int:
@@ -258,9 +264,7 @@ class ObjectMap:
         if _away(younger) < _away(older):
             older.eye = change[:3, :3] @ younger.eye + change[:3, 3]
         older.points, older.hits = points, hits
-        older.seen, older.expected, older.score, older.frames, older.due = sightings(
-            older, younger
-        )
+        older.seen, older.expected, older.score, older.frames, older.due = sightings(older, younger)
         self._refit(older)
 
     def _refit(self, track: Track) -> None:

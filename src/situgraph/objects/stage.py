@@ -2,43 +2,28 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from situgraph.geometry.poses import Array
 from situgraph.objects.association import ObjectMap, Track
 from situgraph.objects.cloud import labelled_clouds, max_range
 from situgraph.objects.config import ObjectsConfig
-from situgraph.objects.detections import Camera, Detector
+from situgraph.objects.detections import Detector
 from situgraph.objects.doorways import DOORWAY, doorways
 from situgraph.objects.gaps import WallGap, in_walls, supported
+from situgraph.objects.looks import MOST_LOOKS, Look, View
 from situgraph.objects.openings import Openings, Seen, openings, stands
 from situgraph.objects.reconcile import backed, reconciled, without_leaves
 from situgraph.objects.relations import TWO_SIDED, RoomView, flat, relate, room_of, room_views
 from situgraph.scenegraph.graph import Object, SceneGraph, Warning
 
-NEAR = 0.6  # m; what is closer fills the image and is not expected to be recognised
-BORDER = 0.1  # share of the image at its rim where nothing is expected
-BEHIND = 0.4  # m; depth short of an object by more than this hides it
+TRACE = 0.2  # m; what was seen so near beside a place is of a thing there
 NAMED = 3  # of the things that are left out for one reason are named in its sentence
 
-
-@dataclass(frozen=True, eq=False)
-class View:
-    """One RGB-D frame tied to a keyframe: ``pose`` (4, 4) of the keyframe in the map,
-    ``keyframe_T_camera`` (4, 4) of the optical frame in the keyframe's.
-    """  # noqa: D205
-
-    keyframe: str
-    stamp: float
-    rgb: NDArray[np.uint8]
-    depth: NDArray[np.float32]
-    camera: Camera
-    pose: Array
-    keyframe_T_camera: Array  # noqa: N815 - the usual notation for frames
+__all__ = ["ObjectStage", "View"]
 
 
 class ObjectStage:
@@ -49,6 +34,7 @@ class ObjectStage:
         self.detector = detector
         self.config = config or ObjectsConfig()
         self.map = ObjectMap(self.config)
+        self._looks: deque[Look] = deque(maxlen=MOST_LOOKS)
         #: What the last graph leaves out although it was seen repeatedly, and why.
         self.left_out: tuple[Warning, ...] = ()
 
@@ -64,6 +50,7 @@ class ObjectStage:
             parts.setdefault(cloud.category, []).append(
                 (cloud.score, cloud.points @ turn.T + shift)
             )
+        self._looks.append(Look.of(view, max_range(view.camera, self.config)))
         expected = self._expected(view)
         tracks = self.map.add(
             view.keyframe, view.pose, self.map.observations(parts), view.keyframe_T_camera[:3, 3]
@@ -146,22 +133,26 @@ class ObjectStage:
 
     def _expected(self, view: View) -> list[Track]:
         """The known objects that this frame should show: in the image, in range, not hidden."""
-        found = []
-        to_camera = np.linalg.inv(view.pose @ view.keyframe_T_camera)
-        h, w = view.depth.shape
-        reach = max_range(view.camera, self.config)
+        look = Look.of(view, max_range(view.camera, self.config))
+        return [t for t in self.map.tracks if look.shows(t.center, view.depth)]
+
+    def missed(self, category: str, place: Array, normal: Array, half: float) -> int:
+        """How many images show a place in a wall and no trace of such an object was found there.
+
+        A trace is what was seen twice of one, sure or not: it may have been hidden in part.
+
+        Args:
+            category: of the object.
+            place: its middle (3,) in the map.
+            normal: that of its wall (3,); images from aside, over 60 degrees off, do not count.
+            half: half its width (m).
+        """
         for track in self.map.tracks:
-            x, y, z = to_camera[:3, :3] @ track.center + to_camera[:3, 3]
-            if not NEAR < z < reach:
-                continue
-            u = view.camera.fx * x / z + view.camera.cx
-            v = view.camera.fy * y / z + view.camera.cy
-            if not (BORDER * w < u < (1 - BORDER) * w and BORDER * h < v < (1 - BORDER) * h):
-                continue
-            depth = float(view.depth[int(v), int(u)])
-            if depth == 0.0 or depth > z - BEHIND:
-                found.append(track)
-        return found
+            if track.category == category and track.seen >= self.config.min_seen:
+                apart = self.map.points(track)[:, :2] - place[:2]
+                if float(np.linalg.norm(apart, axis=1).min()) <= half + TRACE:
+                    return 0
+        return sum(look.faces(place, normal) and look.shows(place) for look in self._looks)
 
 
 def _seen(item: Object) -> int:

@@ -178,7 +178,9 @@ class RoomConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     ] = 0.12
     board: Annotated[
         float,
-        setting("... and a part of a longer line is a leaf if no thicker", "m", "door leaves", gt=0),
+        setting(
+            "... and a part of a longer line is a leaf if no thicker", "m", "door leaves", gt=0
+        ),
     ] = 0.06
     collinear: Annotated[
         float, setting("Faces on one line differ less in offset", "m", TESTS, gt=0)

@@ -87,7 +87,8 @@ def without_leaves(planes: Sequence[MapPlane], config: RoomConfig) -> list[MapPl
         & (along <= (length[:, None] + length) / 2)
         & (np.minimum(length[:, None], length) <= config.leaf_length)
     )
-    gone = {(p.number, a) for (p, a, _), of in zip(short, leaf.any(axis=0) | leaf.any(axis=1)) if of}
+    either = leaf.any(axis=0) | leaf.any(axis=1)
+    gone = {(p.number, a) for (p, a, _), of in zip(short, either) if of}
     left = [(p, [s for s in p.intervals if (p.number, s[0]) not in gone]) for p in planes]
     return [p if len(s) == len(p.intervals) else replace(p, intervals=s) for p, s in left if s]
 
