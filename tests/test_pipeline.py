@@ -14,6 +14,8 @@ from tests.sim.buildings import door, window
 
 from situgraph.cli.app import main
 from situgraph.config import Settings, load_settings
+from situgraph.coupling import from_slam, locate
+from situgraph.coupling.located import Pairs
 from situgraph.experiments.slam_buildings import boxed
 from situgraph.io.recording import Frame, Odometry, Scan, open_recording
 from situgraph.io.tum import read_tum
@@ -25,6 +27,7 @@ from situgraph.scenegraph.codec import read_json, write_json
 from situgraph.scenegraph.graph import Object, SceneGraph
 from situgraph.sim.record import record
 from situgraph.sim.simulation import Simulation
+from situgraph.sim.truth import read_truth
 
 QUICK = ("sim.robot.look_turn=2", "sim.camera.fallback_width=64", "sim.camera.rate=1")
 
@@ -59,6 +62,20 @@ def test_a_drive_becomes_a_map_and_a_place(log: Path) -> None:
     assert pipeline.graph.kind == "online"
     assert any(o.category == "door" for o in pipeline.graph.objects)  # driven through
     assert set(run.seconds) >= {"odometry", "planes", "rooms", "matching", "reading"}
+
+
+def test_offsets_of_walls_err_by_what_they_say(log: Path) -> None:
+    """The building is as planned: offsets are errors, of the size of their standard deviations."""
+    _, pipeline = run_log(open_recording(log), Settings())
+    at = read_truth(log).building_T_map
+    storeys = {s.id: "s0" for s in pipeline.graph.storeys}
+    evidence = from_slam(pipeline.slam.graph, pipeline.graph)
+    found = locate(pipeline.graph, plan(), Pairs(at, {}, {}, {}, storeys), evidence=evidence)
+    offsets = np.array([(w.offset, w.offset_sigma) for w in found.coupled.walls])
+    assert len(offsets) >= 8
+    assert np.abs(offsets[:, 0]).max() < 0.02
+    assert 0.1 < np.sqrt(np.mean((offsets[:, 0] / offsets[:, 1]) ** 2)) < 2.0
+    assert not [d for d in found.deviations if d.category == "wall"]
 
 
 def test_everything_a_run_found_lands_in_its_folder(log: Path, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ LOCATED = {
     "building": "six rooms", "verdict": "unique", "outcome": "right", "located_s": 4.0,
     "realtime": 2.0, "ate_slam_m": 0.005, "ate_building_m": 0.01, "ate_match_only_m": 0.02,
     "moved_seen": 2, "moved_told": 1, "invented": 0, "deviation_errors_m": [-0.004],
-    "told_false": {"extra-object": 2, "moved-wall": 1},
+    "told_false": {"extra-object": 2, "moved-wall": 1}, "normalised_errors": [1.0, -7.0],
 }  # fmt: skip
 LOST = {"building": "corridor of 30 m", "verdict": "ambiguous", "outcome": "ambiguous",
         "located_s": None, "realtime": 3.0, "ate_slam_m": 0.03}  # fmt: skip
@@ -33,6 +33,8 @@ def test_localization_by_building_and_over_all() -> None:
     assert (summary["all"]["drives"], summary["all"]["wrong"]) == (2, 0)
     assert summary["corridor of 30 m"]["ambiguous"] == 1
     assert (summary["all"]["told_false"], summary["corridor of 30 m"]["told_false"]) == (3, 0)
+    assert summary["all"]["normalised_error_rms"] == pytest.approx(5.0)
+    assert summary["all"]["beyond_3_sigma"] == 0.5
     assert summary["all"]["told_false_of"] == {"extra-object": 2, "moved-wall": 1}
 
 

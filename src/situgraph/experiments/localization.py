@@ -127,7 +127,10 @@ def _rms(errors: Array) -> float:
 
 
 def _deviations(located: Located, truth: Truth) -> dict[str, Any]:
-    """Errors of the moved faces that were seen, and what of them was told."""
+    """Errors of the moved faces that were seen, and what of them was told.
+
+    ``normalised_errors``: of the offsets of all faces that were seen, in standard deviations.
+    """
     true = {
         name: offset
         for d in truth.deviations
@@ -137,6 +140,8 @@ def _deviations(located: Located, truth: Truth) -> dict[str, Any]:
     told = {d.prior: d.offset or 0.0 for d in located.deviations if d.kind == "moved-wall"}
     seen = {w.prior for w in located.coupled.walls}
     errors = [told[name] - offset for name, offset in true.items() if name in told]
+    walls = located.coupled.walls
+    scaled = [(w.offset - true.get(w.prior, 0.0)) / w.offset_sigma for w in walls]
     return {
         "moved_seen": sum(name in seen for name in true),
         "moved_told": len(errors),
@@ -145,6 +150,7 @@ def _deviations(located: Located, truth: Truth) -> dict[str, Any]:
             d.message for d in located.deviations if d.kind == "moved-wall" and d.prior not in true
         ],
         "deviation_errors_m": errors,
+        "normalised_errors": scaled,
         "wall_rms_m": located.coupled.rms,
     }
 
@@ -159,6 +165,7 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
 def _summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     located = [r for r in rows if "ate_building_m" in r]
     false = counted(located, "told_false")
+    scaled = np.array([e for r in located for e in r.get("normalised_errors", ())])
     errors = [abs(e) for r in located for e in r["deviation_errors_m"]]
     return {
         "drives": len(rows),
@@ -169,6 +176,8 @@ def _summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "ate_slam_m": _spread([r["ate_slam_m"] for r in rows]),
         "deviation_error_median_m": float(np.median(errors)) if errors else None,
         "deviation_error_max_m": max(errors, default=None),
+        "normalised_error_rms": float(np.sqrt(np.mean(scaled**2))) if len(scaled) else None,
+        "beyond_3_sigma": float(np.mean(np.abs(scaled) > 3.0)) if len(scaled) else None,
         "moved_faces_seen": sum(r["moved_seen"] for r in located),
         "moved_faces_told": sum(r["moved_told"] for r in located),
         "invented": sum(r["invented"] for r in located),
