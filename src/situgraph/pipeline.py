@@ -264,7 +264,7 @@ class Pipeline:
         c, found = self.settings.slam, []
         for storey in self.slam.storeys.storeys:
             walls = [p for p in self.slam.planes.on(storey.number) if p.certain(c.map)]
-            openings = doorways(without_leaves(walls, c.rooms), c.rooms)
+            openings = doorways(without_leaves(walls, c.rooms), c.rooms, walls)
             found += [WallGap(gap.ends, storey.elevation) for gap in openings]
         return found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from situgraph.slam.config import RoomConfig
-from situgraph.slam.gaps import without_leaves
+from situgraph.slam.gaps import doorways, without_leaves
 from situgraph.slam.planemap import Interval, MapPlane
 
 CONFIG = RoomConfig()
@@ -19,6 +19,14 @@ def facing_left(number: int, x: float, *stretches: Interval) -> MapPlane:
 
 def facing_right(number: int, x: float, *stretches: Interval) -> MapPlane:
     return MapPlane(number, 0, np.array([1.0, 0.0, 0.0, -x]), intervals=sorted(stretches))
+
+
+def facing(number: int, normal: tuple[float, float], a: tuple[float, float], b) -> MapPlane:
+    """A plane between two points of the plan."""
+    n = np.array([*normal, 0.0])
+    made = MapPlane(number, 0, np.array([*n, -n[:2] @ np.array(a)]))
+    made.intervals = [tuple(sorted(float(np.array(p) @ made.tangent) for p in (a, b)))]
+    return made
 
 
 def spans(planes: list[MapPlane]) -> dict[int, list[float]]:
@@ -41,7 +49,26 @@ def test_leaves_of_two_doors_in_one_line_are_leaves() -> None:
     assert spans(without_leaves([both, back], CONFIG)) == {0: [2.4, 2.9]}
 
 
+def test_a_leaf_that_was_taken_into_the_line_of_a_wall_is_a_leaf() -> None:
+    """Its back, seen by itself, lies before that line: no wall has its back before its front."""
+    wall = facing_left(0, 2.0, (0.0, 4.3), (5.3, 6.5))
+    back = facing_right(1, 1.94, (5.4, 6.4))
+    assert spans(without_leaves([wall, back], CONFIG)) == {0: [0.0, 4.3]}
+
+
 def test_piers_between_doors_in_a_thin_wall_stay() -> None:
     front = facing_left(0, 2.0, (0.0, 1.2), (2.1, 3.3), (4.2, 5.4))
-    back = facing_right(1, 2.1, (0.0, 1.2), (2.1, 3.3), (4.2, 5.4))
+    back = facing_right(1, 2.06, (0.0, 1.2), (2.1, 3.3), (4.2, 5.4))
     assert len(spans(without_leaves([front, back], CONFIG))[0]) == 6
+
+
+def test_a_door_as_wide_as_its_corridor_is_a_door_where_a_leaf_hangs() -> None:
+    """The end of a corridor behind x = 2: nothing but an open leaf tells it from an alcove."""
+    hall = facing_right(0, 2.0, (-4.0, 0.0), (2.0, 6.0))
+    sides = [facing(1, (0.0, 1.0), (-3.0, 0.0), (1.8, 0.0)),
+             facing(2, (0.0, -1.0), (-3.0, 2.0), (1.8, 2.0))]  # fmt: skip
+    walls = [hall, *sides]
+    assert not [g for g in doorways(walls, CONFIG, walls) if g.plane == 0]
+    leaf = facing(3, (0.0, 1.0), (1.9, 0.4), (2.9, 0.3))
+    (gap,) = [g for g in doorways(walls, CONFIG, [*walls, leaf]) if g.plane == 0]
+    assert sorted(gap.ends[:, 1].tolist()) == [0.0, 2.0]

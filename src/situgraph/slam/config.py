@@ -181,7 +181,7 @@ class RoomConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
         setting(
             "... and a part of a longer line is a leaf if no thicker", "m", "door leaves", gt=0
         ),
-    ] = 0.06
+    ] = 0.08
     collinear: Annotated[
         float, setting("Faces on one line differ less in offset", "m", TESTS, gt=0)
     ] = 0.08

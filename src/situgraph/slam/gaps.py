@@ -4,7 +4,7 @@ A wall is what lies on one line: every plane that faces the same way there and, 
 behind, those that face the other way. A gap in it, or between its end and the wall it runs into,
 is a doorway when it is no wider than a door. Where a further wall runs back from an end (an inner
 corner of an L-shaped room, the mouth of an alcove), there is no door: the space beyond belongs to
-the same room.
+the same room, unless an open leaf hangs at that end.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from situgraph.slam.config import RoomConfig
 from situgraph.slam.planemap import Interval, MapPlane, united
 
 PARALLEL = 0.99  # cosine: 8 deg
+HINGE = 0.5  # m; from the seen end of a wall to the leaf beside it: it hides a jamb's width
+CROSSED = -0.1  # m; no wall is as thin, but a leaf in the line of one beside it may lie before it
 
 
 class Gap(NamedTuple):
@@ -41,18 +43,23 @@ class _Stretches(NamedTuple):
     owner: Array
 
 
-def doorways(planes: Sequence[MapPlane], config: RoomConfig) -> list[Gap]:
-    """The doorways in the walls of one storey."""
+def doorways(
+    planes: Sequence[MapPlane], config: RoomConfig, leaves: Sequence[MapPlane] = ()
+) -> list[Gap]:
+    """The doorways in the walls of one storey; ``leaves`` may be open door leaves, or walls."""
     if not planes:
         return []
-    every = _stretches(planes)
+    every, others = _stretches(planes), _stretches(leaves)
     found: list[Gap] = []
     for plane in planes:
         solid = _solid(plane, every, config)
         back = _turning_back(plane, every, config)
+        hung = _hung(plane, others, config)
         for (_, a), (b, _) in pairwise(solid):
             own = any(abs(a - v) < 1e-6 or abs(b - u) < 1e-6 for u, v in plane.intervals)
-            if own and b - a <= config.door_width and not (_near(back, a) and _near(back, b)):
+            mouth = _near(back, a) and _near(back, b)
+            door = not mouth or _near(hung, a, HINGE) or _near(hung, b, HINGE)
+            if own and b - a <= config.door_width and door:
                 found.append(_gap(plane, a, b))
         for end, sign in ((solid[0][0], -1.0), (solid[-1][1], 1.0)):
             hit = _next_wall(plane, end, sign, every, config)
@@ -65,8 +72,8 @@ def without_leaves(planes: Sequence[MapPlane], config: RoomConfig) -> list[MapPl
     """The planes without the open door leaves: stretches that are short and as thin as a board.
 
     The leaves of two doors may stand in one line and be one plane of the map, so each stretch is
-    looked at by itself; such a one, unlike a plane that is short as a whole, could also be the pier
-    between two doors in a thin wall, and has to be thinner.
+    looked at by itself; but one of the two faces is short as a whole, and the leaf as thin as a
+    board, else it could be the pier between two doors in a thin wall.
     """
     most = config.leaf_length + config.corner  # the jamb that it hangs on may be in its line
     short = [(p, a, b) for p in planes for a, b in p.intervals if b - a <= most]
@@ -79,10 +86,11 @@ def without_leaves(planes: Sequence[MapPlane], config: RoomConfig) -> list[MapPl
     apart = middle[:, None] - middle[None]
     behind = np.einsum("ijk,ik->ij", apart, normal)
     along = np.linalg.norm(apart - behind[..., None] * normal[:, None], axis=2)
-    thick = np.where(whole[:, None] & whole, config.leaf_thickness, config.board)
+    board = np.where(whole[:, None] | whole, config.board, -np.inf)
+    thick = np.where(whole[:, None] & whole, config.leaf_thickness, board)
     leaf = (
         (normal @ normal.T < -0.97)
-        & (behind > -0.03)
+        & (behind > CROSSED)
         & (behind < thick)
         & (along <= (length[:, None] + length) / 2)
         & (np.minimum(length[:, None], length) <= config.leaf_length)
@@ -96,10 +104,10 @@ def without_leaves(planes: Sequence[MapPlane], config: RoomConfig) -> list[MapPl
 def _stretches(planes: Sequence[MapPlane]) -> _Stretches:
     rows = [(p, a, b) for p in planes for a, b in p.intervals]
     return _Stretches(
-        np.array([p.point(a) for p, a, _ in rows]),
-        np.array([p.point(b) for p, _, b in rows]),
-        np.array([p.normal for p, _, _ in rows]),
-        np.array([p.tangent for p, _, _ in rows]),
+        np.array([p.point(a) for p, a, _ in rows]).reshape(-1, 2),
+        np.array([p.point(b) for p, _, b in rows]).reshape(-1, 2),
+        np.array([p.normal for p, _, _ in rows]).reshape(-1, 2),
+        np.array([p.tangent for p, _, _ in rows]).reshape(-1, 2),
         np.array([p.offset for p, _, _ in rows]),
         np.array([p.number for p, _, _ in rows]),
     )
@@ -135,8 +143,27 @@ def _turning_back(plane: MapPlane, every: _Stretches, config: RoomConfig) -> Arr
     return out
 
 
-def _near(places: Array, along: float) -> bool:
-    return bool((np.abs(places - along) < 0.3).any())
+def _hung(plane: MapPlane, others: _Stretches, config: RoomConfig) -> Array:
+    """Where (m along the plane) what may be an open leaf stands out of the wall into its room."""
+    if not len(others.owner):
+        return np.empty(0)
+    first = others.first @ plane.normal + plane.offset
+    last = others.last @ plane.normal + plane.offset
+    high, low = np.maximum(first, last), np.minimum(first, last)
+    reach = config.corner + 0.2
+    leaf = (
+        (np.abs(others.tangent @ plane.normal) > 0.7)
+        & (np.abs(low) < reach)
+        & (high > reach)
+        & (high - low < config.leaf_length)
+    )
+    foot = np.where((first < last)[:, None], others.first, others.last)
+    out: Array = foot[leaf] @ plane.tangent
+    return out
+
+
+def _near(places: Array, along: float, reach: float = 0.3) -> bool:
+    return bool((np.abs(places - along) < reach).any())
 
 
 def _gap(plane: MapPlane, low: float, high: float) -> Gap:
@@ -150,8 +177,8 @@ def _next_wall(
     slope = every.normal @ plane.tangent
     with np.errstate(divide="ignore", invalid="ignore"):
         hit = end - (every.normal @ plane.point(end) + every.offset) / slope
+        crossing = plane.point(0.0) + hit[:, None] * plane.tangent
     width = (hit - end) * sign
-    crossing = plane.point(0.0) + hit[:, None] * plane.tangent
     along = np.einsum("ij,ij->i", crossing, every.tangent)
     u = np.einsum("ij,ij->i", every.first, every.tangent)
     v = np.einsum("ij,ij->i", every.last, every.tangent)

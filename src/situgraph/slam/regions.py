@@ -46,8 +46,9 @@ def look(
     from scipy import ndimage
 
     raster = Raster.around(place - half, place + half, config.cell)
-    walls = without_leaves([p for p in planes if _touches(p, place, half)], config)
-    openings = doorways(walls, config)
+    near = [p for p in planes if _touches(p, place, half)]
+    walls = without_leaves(near, config)
+    openings = doorways(walls, config, near)
     seen = raster.count_polygons(outlines) > 0
     stretches = [np.array([p.point(a), p.point(b)]) for p in walls for a, b in p.intervals]
     solid = raster.draw_lines([*stretches, *(g.ends for g in openings)])
