@@ -135,10 +135,8 @@ def test_a_door_beside_its_place_is_moved() -> None:
     assert abs(found.offset or 0.0) == pytest.approx(0.7, abs=0.02)
 
 
-def test_a_wall_that_is_not_there_is_told() -> None:
-    """Rooms 1 and 4 are one: no wall between them, one outline."""
-    online = seen(PRIOR)
-    faces = {"p1", "p15"}  # east of room 1, west of room 4
+def run_together(online: SceneGraph, faces: set[str]) -> SceneGraph:
+    """Rooms 1 and 4 as one, without the faces between them."""
     inside = [transformed_footprint(r, online) for r in ("r1", "r4")]
     (x0, y0), (x1, y1) = inside[0][0], inside[1][2]
     outline = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
@@ -155,9 +153,37 @@ def test_a_wall_that_is_not_there_is_told() -> None:
     )
     objects = tuple(o for o in online.objects if not faces & set(o.planes))
     planes = tuple(p for p in online.planes if p.id not in faces)
-    built = online.replace(rooms=rooms, planes=planes, objects=objects)
+    return online.replace(rooms=rooms, planes=planes, objects=objects)
+
+
+def test_a_wall_that_is_not_there_is_told() -> None:
+    """Rooms 1 and 4 are one: no wall between them, one outline."""
+    faces = {"p1", "p15"}  # east of room 1, west of room 4
+    built = run_together(seen(PRIOR), faces)
     found = {d.prior for d in located(built).deviations if d.kind == "missing-wall"}
     assert found == faces
+
+
+def test_a_wall_that_is_all_door_is_not_missed() -> None:
+    """Rooms 1 and 4 ran together where a door as wide as the wall was planned."""
+    faces = {"p1", "p15"}
+    (ax, ay), (bx, by) = PRIOR.plane_by_id["p1"].extent
+    half = math.dist((ax, ay), (bx, by)) / 2 - 0.1
+    wide = tuple(
+        msgspec.structs.replace(
+            o,
+            center=((ax + bx) / 2, (ay + by) / 2, o.center[2]),
+            ellipsoid=msgspec.structs.replace(o.ellipsoid, axes=(half, *o.ellipsoid.axes[1:])),
+        )
+        if faces <= set(o.planes)
+        else o
+        for o in PRIOR.objects
+    )
+    assert wide != PRIOR.objects
+    built = run_together(seen(PRIOR), faces)
+    assert {d.prior for d in located(built).deviations if d.kind == "missing-wall"} == faces
+    told = located(built, PRIOR.replace(objects=wide)).deviations
+    assert not [d for d in told if d.kind == "missing-wall"]
 
 
 def transformed_footprint(name: str, online: SceneGraph) -> list[tuple[float, float]]:

@@ -93,19 +93,28 @@ def _in_openings(plane: Plane, wall: WallEstimate, prior: SceneGraph) -> bool:
     seen, which stand in the depth of the wall.
     """
     face = prior.plane_by_id[wall.prior]
-    along, normal = along_of(face), np.asarray(face.normal)
-    span = stretch(plane, along)
+    span, normal = stretch(plane, along_of(face)), np.asarray(face.normal)
     if span is None or wall.offset > 0.0:
         return False
-    open_to_floor, deep = 0.0, 0.0
-    for item in prior.objects_by_plane.get(face.id, ()):
-        if item.category not in OPENINGS or item.ellipsoid is None:
-            continue
-        at, half = float(along @ item.center[:2]), reach(item.ellipsoid, along)
-        if item.category == "door" or _sill(item, prior) <= SILL:
-            open_to_floor += max(min(at + half, span[1]) - max(at - half, span[0]), 0.0)
-            deep = max(deep, abs(float(normal @ item.center) + face.offset))
-    return -2.0 * deep <= wall.offset and open_to_floor >= HALF * (span[1] - span[0])
+    depths = [abs(float(normal @ o.center) + face.offset) for o in _to_the_floor(face, prior)]
+    within = -2.0 * max(depths, default=0.0) <= wall.offset
+    return within and _opened(face, span, prior) >= HALF * (span[1] - span[0])
+
+
+def _opened(face: Plane, span: tuple[float, float], prior: SceneGraph) -> float:
+    """Metres of a face between two places along it where no wall was planned, only openings."""
+    along, total = along_of(face), 0.0
+    for item in _to_the_floor(face, prior):
+        at = float(along @ item.center[:2])
+        half = 0.0 if item.ellipsoid is None else reach(item.ellipsoid, along)
+        total += max(min(at + half, span[1]) - max(at - half, span[0]), 0.0)
+    return total
+
+
+def _to_the_floor(face: Plane, prior: SceneGraph) -> list[Object]:
+    """The planned doors in a face, and the windows that reach down to the floor."""
+    openings = [o for o in prior.objects_by_plane.get(face.id, ()) if o.category in OPENINGS]
+    return [o for o in openings if o.category == "door" or _sill(o, prior) <= SILL]
 
 
 def _sill(item: Object, prior: SceneGraph) -> float:
@@ -148,8 +157,9 @@ def _missing_walls(
                 continue
             ends = np.asarray(face.extent, dtype=float)
             length = float(np.linalg.norm(ends[1] - ends[0]))
-            if length < config.told_length:
-                continue
+            low, high = sorted((ends @ along_of(face)).tolist())
+            if length - _opened(face, (low, high), prior) < config.told_length:
+                continue  # short, or hardly more than the doors in it
             n = np.asarray(face.normal[:2]) / np.linalg.norm(face.normal[:2])
             beyond = shapely.LineString(ends - config.seen_beyond * n)
             if float(beyond.intersection(area).length) < HALF * length:
