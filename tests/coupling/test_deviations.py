@@ -190,7 +190,9 @@ def transformed_footprint(name: str, online: SceneGraph) -> list[tuple[float, fl
     return list(transformed(online, MAP).room_by_id[name].footprint or ())
 
 
-def test_a_wall_that_was_not_planned_is_told() -> None:
+@pytest.mark.parametrize(("length", "told"), [(None, True), (4.0, True), (1.8, False), (3.0, True)])
+def test_a_wall_that_was_not_planned_is_told(length: float | None, told: bool) -> None:
+    """Unless it is two pieces that may be door leaves."""
     online = seen(PRIOR)
     new = transformed(
         SceneGraph(planes=(Plane("new", (0.0, 1.0, 0.0), -2.0, ((1.0, 2.0), (5.0, 2.0))),)),
@@ -200,8 +202,10 @@ def test_a_wall_that_was_not_planned_is_told() -> None:
         msgspec.structs.replace(r, planes=(*r.planes, "new")) if r.id == "r1" else r
         for r in online.rooms
     )
-    (found,) = located(online.replace(rooms=rooms, planes=(*online.planes, new))).deviations
-    assert (found.kind, found.online, found.rooms) == ("extra-wall", "new", ("r1",))
+    if length is not None:
+        new = msgspec.structs.replace(new, attributes={"length": length})
+    found = located(online.replace(rooms=rooms, planes=(*online.planes, new))).deviations
+    assert [(d.kind, d.online, d.rooms) for d in found] == [("extra-wall", "new", ("r1",))] * told
 
 
 def test_later_rooms_and_walls_are_associated_by_their_place() -> None:

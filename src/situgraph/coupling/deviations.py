@@ -18,6 +18,8 @@ from situgraph.scenegraph.graph import Object, Plane, SceneGraph
 INSIDE = 0.3  # m; a face this far inside a planned room is no wall of it
 ALIKE = math.radians(20.0)  # faces that differ less may be one that was built askew
 HALF = 0.5  # a face is missing when at least this share of it is open
+LEAF = 1.3  # m; no open door leaf with its jamb is longer
+LEAF_GAP = 0.5  # m; two in one line are at least so far apart
 SILL = 0.3  # m; below an opening that begins no higher no wall is seen
 
 
@@ -195,7 +197,7 @@ def _extra_walls(
         length = float(np.linalg.norm(ends[1] - ends[0]))
         sightings = plane.attributes.get("sightings", config.least_sightings)
         seldom = isinstance(sightings, int) and sightings < config.least_sightings
-        if length < config.told_length or seldom:
+        if length < config.told_length or seldom or _two_leaves(plane, length):
             continue
         line = shapely.LineString(ends)
         for online in seen.rooms_by_plane.get(plane.id, ()):
@@ -217,6 +219,12 @@ def _extra_walls(
                 rooms=(room.id,),
             )
             break
+
+
+def _two_leaves(plane: Plane, length: float) -> bool:
+    """Whether a face may be the open leaves of two doors across from each other, in one line."""
+    seen = plane.attributes.get("length", length)
+    return isinstance(seen, int | float) and seen < min(length - LEAF_GAP, 2.0 * LEAF)
 
 
 def _near_planned(plane: Plane, prior: SceneGraph, faces: Sequence[str], distance: float) -> bool:
