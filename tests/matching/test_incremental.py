@@ -120,5 +120,5 @@ def test_an_update_tries_little() -> None:
     for state in grown(online, list(range(len(online.rooms))), [1] * len(online.rooms)):
         found, again = matcher.update(state), match(state, matcher.index)
         if len(state.rooms) > 3:
-            tried, anew = tried + found.stats["boxes"], anew + again.stats["boxes"]
+            tried, anew = tried + found.stats["hypotheses"], anew + again.stats["hypotheses"]
     assert tried < anew / 2

@@ -21,6 +21,7 @@ from situgraph.matching.tables import (
     HELD,
     LEFT,
     PEAKS,
+    SETTLED,
     STAGE,
     Aim,
     Case,
@@ -43,7 +44,7 @@ class Search(NamedTuple):
     shifts: IntTable  # (k, U)
     shift: Annotated[Ints, "peaks"]
     place: Annotated[Floats, "peaks", 5]  # 0, yaw, x, y, L
-    count: Annotated[Ints, 8]  # type: ignore[assignment]  # ``PEAKS`` to ``STAGE``
+    count: Annotated[Ints, 9]  # type: ignore[assignment]  # ``PEAKS`` to ``SETTLED``
     left: Annotated[Floats, "boxes", "sides"]  # the cover
     left_shift: Annotated[Ints, "boxes"]
     known: Table  # (g, SIDES) the cover of an earlier search
@@ -106,7 +107,7 @@ def _search_all(wanted):
     for z in range(len(wanted.shifts)):
         for u in range(len(task.storeys)):
             task.storeys[u] = wanted.shifts[z, u]
-        found.count[PEAKS] = found.count[LEFT] = found.count[HELD] = 0
+        found.count[PEAKS] = found.count[LEFT] = found.count[HELD] = found.count[SETTLED] = 0
         found.count[STAGE] = ANYWHERE
         _turn_to_maps(case, z)
         if len(wanted.known_first) > 0:

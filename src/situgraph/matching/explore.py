@@ -55,7 +55,7 @@ def explore(case, start):
     stack, box, at, left = found.stack, scratch(SIDES), scratch(3), scratch(SIDES)
     nothing_left(left)
     copy_box(start, stack[0])
-    depth, begun = 1, False
+    depth = 1
     while depth > 0:
         depth -= 1
         copy_box(stack[depth], box)
@@ -67,10 +67,9 @@ def explore(case, start):
         before = extent(box, arm)
         if not shrink(case, box):
             continue
-        if settled_by(case, box) or (not begun and _settles_at_once(case, box)):
+        if settled_by(case, box):
             leave(case, box)
             continue
-        begun = True
         if not squeeze_on(case, box, arm, before):
             continue
         if box[AX] != 0.0 or box[AY] != 0.0:
@@ -140,7 +139,7 @@ def _witness(case, box, arm, at):
 
 
 @part
-def _settles_at_once(case, box):
+def settles_at_once(case, box):
     """Whether the middle of a box far from known peaks leads to one that stands for all of it."""
     at = scratch(3)
     centre(box, at)

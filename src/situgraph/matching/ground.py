@@ -50,7 +50,7 @@ STEP = 0.7  # metres that the farthest room moves, about, in half of a part of t
 DEPTH = 8  # of the halving of the yaws, at most
 PARTS = 2 * DEPTH
 MARKED = 25.0  # cells that a prior room marks in a map, about
-MOST_MARKED = 0.5  # of all cells, in a map that is worth its making
+MOST_MARKED = 0.5  # of all cells, in a map that tells much
 BITS = 64  # cells of a word
 
 
@@ -68,11 +68,25 @@ class Canvas(NamedTuple):
 
 @part
 def lay(case):
-    """Tell which rooms have a map for the present shift of the storeys: drawn when asked for."""
-    seen = case.seen
+    """Tell which rooms have a map for the present shift of the storeys: drawn when asked for.
+
+    Where so few maps tell much that all of those rooms may be unexplained, no box could be dropped
+    by them, as among many equal rooms: then maps that tell less are worth their making, too.
+    """
+    lost = _choose(case, MOST_MARKED)
+    if lost <= case.task.budget:
+        _choose(case, 1.0)
+
+
+@part
+def _choose(case, most):
+    """Choose the rooms whose maps have up to a share of all cells marked; returns their loss."""
+    seen, task, lost = case.seen, case.task, 0.0
     for r in range(len(seen.storey)):
-        tells = case.task.storeys[seen.storey[r]] < 0 or _tells(case, r)
+        tells = task.storeys[seen.storey[r]] < 0 or _tells(case, r, most)
         case.ground.known[r] = 1 if tells else 0
+        lost += task.loss[r] if tells else 0.0
+    return lost
 
 
 @part
@@ -103,13 +117,13 @@ def _draw(case, r):
 
 
 @part
-def _tells(case, r):
-    """Whether a map of a room is worth its making: one that may lie anywhere tells nothing."""
+def _tells(case, r, most):
+    """Whether about ``most`` of a room's map are marked at most: all marked, it tells nothing."""
     seen, plan = case.seen, case.plan
     if seen.flat[r] or seen.first[r + 1] - seen.first[r] < 3:
         return False
     cells = plan.cells[0] * plan.cells[1] * BITS
-    return case.found.alike[r] * MARKED < cells * MOST_MARKED
+    return case.found.alike[r] * MARKED < cells * most
 
 
 @part
@@ -289,6 +303,12 @@ def enough(case, box, g):
     box[YAW] += (low + high) / 2
     box[TURN] = min((high - low) / 2, box[TURN])
     return True
+
+
+@part
+def enough_in_middle(case, box, g):
+    """The same for the yaw in the middle alone."""
+    return _enough_at(case, box, g, box[YAW], 0.0)
 
 
 @part

@@ -29,8 +29,8 @@ from situgraph.matching.cover import (
     sight,
 )
 from situgraph.matching.explained import may_explain
-from situgraph.matching.explore import exhausted, explore, leave
-from situgraph.matching.ground import enough, lay, partners_lie
+from situgraph.matching.explore import exhausted, explore, leave, settles_at_once
+from situgraph.matching.ground import enough, enough_in_middle, lay, partners_lie
 from situgraph.matching.groups import NOWHERE, form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
     copy_box,
@@ -222,14 +222,27 @@ def _try(case, g, start):
     count[TRIED] += 1
     if not partners_lie(case, box, g):
         return
-    if count[STAGE] != OUTLINING and settled_by(case, box):
+    outlining = count[STAGE] == OUTLINING
+    if not outlining and settled_by(case, box):
         leave(case, box)
         return
-    if not (_partners(case, box, g) and enough(case, box, g)):
+    if not _partners(case, box, g):
+        return
+    if not outlining:
+        if settled_by(case, box):
+            leave(case, box)
+            return
+        if enough_in_middle(case, start, g) and settles_at_once(case, start):
+            leave(case, start)
+            return
+    if not enough(case, box, g):
+        return
+    if not outlining and settled_by(case, box):
+        leave(case, box)
         return
     copy_box(start, box)  # where its middle lies decides which peaks are found: searched uncut
     if enough(case, box, g):
-        if count[STAGE] == OUTLINING:
+        if outlining:
             _hold(case, box)
         else:
             explore(case, box)

@@ -30,11 +30,11 @@ from situgraph.matching.nearby import TIE, add_peak, peak_at, peaks_near, same_p
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import represents, sway_of
 from situgraph.matching.slack import wrapped
-from situgraph.matching.tables import FIT
+from situgraph.matching.tables import FIT, SETTLED
 from situgraph.matching.views import count_planes
 from situgraph.matching.wards import entrust
 
-SETTLED, SETTLED_TURN = 2.0, 1.02  # metres around a peak, and share of the angle tolerance
+FARTHEST, WIDEST = 2.0, 1.02  # metres around a peak, and share of the angle tolerance
 SETTLING = 3  # times that these are halved, at most
 
 
@@ -42,11 +42,13 @@ SETTLING = 3  # times that these are halved, at most
 def settled_by(case, box):
     """Whether all placements of a box are so near to a settled peak that it stands for them."""
     peaks, settled, close = case.found.peak, case.found.settled, case.found.close
+    if case.found.count[SETTLED] == 0:
+        return False
     middle, sway = scratch(3), sway_of(box)
-    if sway > SETTLED:
+    if sway > FARTHEST:
         return False
     centre(box, middle)
-    for m in range(peaks_near(case, middle[1], middle[2], SETTLED - sway)):
+    for m in range(peaks_near(case, middle[1], middle[2], FARTHEST - sway)):
         k = close[m]
         apart = math.hypot(peaks[k, 1] - middle[1], peaks[k, 2] - middle[2])
         turned = abs(wrapped(peaks[k, 0] - middle[0]))
@@ -72,7 +74,7 @@ def settle(case, at, height):
         k = close[n]
         if k != known and peaks[k, 3] >= height - TIE and same_place(case, peaks[k], at):
             return False
-    box, (far, turn) = scratch(SIDES), (SETTLED, SETTLED_TURN * case.limits.angle)
+    box, (far, turn) = scratch(SIDES), (FARTHEST, WIDEST * case.limits.angle)
     for _ in range(SETTLING):
         _around(case, at, far, turn, box)
         if represents(case, box, at) and _no_more(case, box):
@@ -81,6 +83,7 @@ def settle(case, at, height):
             if known < 0:
                 return False
             settled[known, 0], settled[known, 1] = far, turn
+            case.found.count[SETTLED] += 1
             entrust(case, known, box)
             return True
         far, turn = far / 2, turn / 2

@@ -27,8 +27,8 @@ CountTable = Annotated[NDArray[np.int16], None, None]
 FIT, MOVED, MISSING = 0, 1, 2  # states of an online plane
 MADE, MAPPED = range(2)  # what ``Groups.told`` tells
 # What a search counts; CUT is 1 when it was cut short, LEFT and HELD are boxes of ``cover`` and
-# ``region``, STAGE is one of those below.
-PEAKS, TRIED, BOXES, CUT, WORK, LEFT, HELD, STAGE = range(8)
+# ``region``, STAGE is one of those below, SETTLED how often a peak was.
+PEAKS, TRIED, BOXES, CUT, WORK, LEFT, HELD, STAGE, SETTLED = range(9)
 ANYWHERE, OUTLINING, WITHIN = range(3)  # it searches all, for the region, in the region
 
 
@@ -305,7 +305,7 @@ class Found(NamedTuple):
     bucket: Annotated[Ints, "buckets"]  # number + 1 of the last peak of each cell (``nearby``)
     linked: Annotated[Ints, "peaks"]  # and of the one before each
     close: Annotated[Ints, "peaks"]  # those near a place
-    count: Annotated[Ints, 8]  # type: ignore[assignment]  # ``PEAKS`` to ``STAGE``
+    count: Annotated[Ints, 9]  # type: ignore[assignment]  # ``PEAKS`` to ``SETTLED``
     ward: Annotated[Floats, "peaks", "sides"]  # what each peak stood for (``wards``)
     since: Annotated[Ints, "peaks"]  # how many peaks there were when it first did, 0: it did not
     alike: Annotated[Ints, "N"]  # how many prior rooms explain each online room in isolation
