@@ -49,7 +49,7 @@ def lost_in_a_wide_box(place, box):  # type: ignore[no-untyped-def]
 
 def test_a_box_that_is_too_wide_for_the_map_loses_no_room() -> None:
     inputs = inputs_of("random", 12, 3, 0, REALISTIC)
-    sizes = inputs.tables.sizes(inputs.mapping.shape[1], peaks=8, maps=1)
+    sizes = inputs.tables.sizes(peaks=8, maps=1)
     case = Block(Case, sizes, **inputs.tables.given(inputs.aim))
     box = np.zeros(10)
     box[8:] = inputs.seen.center[0]

@@ -122,7 +122,7 @@ def test_an_object_alone_on_its_wall_says_what_it_said(online: SceneGraph) -> No
 def test_nothing_exceeds_the_most_there_can_be(online: SceneGraph) -> None:
     inputs = prepare(online, INDEX, "likelihood", MatchingConfig())
     alone, together = most_evidence(inputs.objects, inputs.rates)
-    most = float(alone.sum()) + together
+    most = sum(alone) + together
     problem = Problem(online, PLAN, "likelihood", Definition())
     assert most == pytest.approx(most_object_evidence(problem))
     assert evidence(online) <= most + 1e-9

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from situgraph.matching.blocks import Laid
 from situgraph.matching.entries import find_peaks
 from situgraph.matching.memory import Memory, stands, start_of
 from situgraph.matching.preparation import Inputs
@@ -20,6 +21,7 @@ class Peaks(NamedTuple):
     shift: Ints  # (k,)
     alike: Ints  # (N,) how many prior rooms explain each online room in isolation
     done: Ints  # (4,) peaks, hypotheses, boxes, incomplete
+    case: Laid | None = None  # of the search, to look at the peaks in
 
 
 class Known:
@@ -40,9 +42,11 @@ class Known:
         if inputs.semantics == "containment":  # there, objects decide what is found
             return self._search(inputs, aim, False)
         before = self._peaks.get(inputs.flipped)
-        if before is None or not _holds(before[0], aim):
-            before = self._peaks[inputs.flipped] = (aim, self._search(inputs, aim, self.grows))
-        return before[1]
+        if before is not None and _holds(before[0], aim):
+            return before[1]
+        found = self._search(inputs, aim, self.grows)
+        self._peaks[inputs.flipped] = aim, found._replace(case=None)  # which is large
+        return found
 
     def forget_peaks(self) -> None:
         """Rooms or planes are others now."""
@@ -65,11 +69,11 @@ class Known:
         if start is not None and start.on and found[3][CUT]:
             start = start._replace(on=False)
             found = find_peaks(inputs.tables, inputs.mapping, aim, start, traced=kept)
-        place, shift, alike, done, traces = found
+        place, shift, alike, done, case, traces = found
         if traced:
             self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
         place[:, 0] = inputs.shifts[shift]
-        return Peaks(place, shift, alike, done)
+        return Peaks(place, shift, alike, done, case)
 
 
 def _holds(one: Aim, two: Aim) -> bool:
@@ -83,5 +87,5 @@ def find(inputs: Inputs, aim: Aim, known: Known) -> Peaks:
     peaks = known.by_walls(inputs, aim)
     place = peaks.place.copy()
     if len(place) and inputs.weighs_objects:
-        place[:, 4] += inputs.evidence(peaks.shift, place[:, 1:4])[0]
-    return peaks._replace(place=place)
+        place[:, 4] += inputs.evidence(peaks.shift, place[:, 1:4], peaks.case)[0]
+    return peaks._replace(place=place, case=None)

@@ -19,6 +19,7 @@ class Tables(NamedTuple):
     plan: Plan
     limits: Limits
     content: Content
+    room: dict[str, int]  # sizes of the room to work in, ``words`` those of one map
 
     @property
     def turn(self) -> float:
@@ -39,31 +40,32 @@ class Tables(NamedTuple):
             "base": self.turn,
         }
 
-    def sizes(
-        self, storeys: int, *, peaks: int = 0, boxes: int = 0, maps: int = 0
-    ) -> dict[str, int]:
-        """The sizes of a ``Case`` of so many online storeys; of ``maps`` shifts maps are kept."""
-        seen, plan = self.seen, self.plan
-        rooms, prior = len(seen.storey), len(plan.storey)
-        wide, tall = plan.cells.tolist()
-        return {
-            "N": rooms,
-            "N + 2": rooms + 2,
-            "P": len(seen.angle),
-            "M": prior,
-            "M + N": prior + rooms,
-            "U": storeys,
-            "n": seen.widest,
-            "n + 1": seen.widest + 1,
-            "m": plan.widest + 1,
-            "planes": seen.planes,
-            "peaks": peaks,
-            "buckets": BUCKETS,
-            "depth": DEPTH,
-            "waiting": WAITING,
-            "sides": SIDES,
-            "like": prior // 64 + 1,
-            "boxes": boxes,
-            "maps": maps * rooms,
-            "words": 4 * maps * rooms * wide * tall,
-        }
+    def sizes(self, *, peaks: int = 0, boxes: int = 0, maps: int = 0) -> dict[str, int]:
+        """The sizes of a ``Case``; of ``maps`` shifts of the storeys maps are kept."""
+        room = self.room
+        several = {"maps": maps * room["N"], "words": maps * room["words"]}
+        return room | {"peaks": peaks, "boxes": boxes} | several
+
+
+def room_of(seen: Seen, plan: Plan, storeys: int) -> dict[str, int]:
+    """``Tables.room`` for so many online storeys."""
+    rooms, prior = len(seen.storey), len(plan.storey)
+    wide, tall = plan.cells.tolist()
+    return {
+        "N": rooms,
+        "N + 2": rooms + 2,
+        "P": len(seen.angle),
+        "M": prior,
+        "M + N": prior + rooms,
+        "U": storeys,
+        "n": seen.widest,
+        "n + 1": seen.widest + 1,
+        "m": plan.widest + 1,
+        "planes": seen.planes,
+        "buckets": BUCKETS,
+        "depth": DEPTH,
+        "waiting": WAITING,
+        "sides": SIDES,
+        "like": prior // 64 + 1,
+        "words": 4 * rooms * wide * tall,
+    }

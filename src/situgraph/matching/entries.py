@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from situgraph.matching.blocks import Block
+from situgraph.matching.blocks import Block, Laid
 from situgraph.matching.boxes import SIDES
 from situgraph.matching.cases import Tables
 from situgraph.matching.compiled import entry, part
@@ -59,12 +59,12 @@ def find_peaks(
     start: Start | None = None,
     *,
     traced: bool = False,
-) -> tuple[Floats, Ints, Ints, Ints, Traces | None]:
+) -> tuple[Floats, Ints, Ints, Ints, Laid, Traces | None]:
     """All peaks (k, 5) for all shifts of the storeys: 0, yaw, x, y, L; and the rows of ``shifts``.
 
     And how many prior rooms are like each online room; what was done: peaks, hypotheses, boxes, 1
-    when incomplete, comparisons of planes, boxes left; and, where ``traced``, what a later search
-    can start from.
+    when incomplete, comparisons of planes, boxes left; the ``Case``, which may be worked in again;
+    and, where ``traced``, what a later search can start from.
     """
     most = max(ROOM, PEAKS_A_ROOM * len(tables.plan.storey))
     boxes = min(COVER * (len(tables.plan.storey) + COVER), MOST_COVER) if traced else 0
@@ -74,7 +74,7 @@ def find_peaks(
         known, first, wanted = start.cover, start.first, start.wanted
     maps = len(shifts) if traced else 1
     while True:
-        sizes = tables.sizes(shifts.shape[1], peaks=most, boxes=boxes, maps=maps)
+        sizes = tables.sizes(peaks=most, boxes=boxes, maps=maps)
         block = Block(
             Search, sizes, shifts=shifts, known=known, known_first=first, wanted=wanted, **given
         )
@@ -87,7 +87,7 @@ def find_peaks(
             place, shift = block.array("place")[:found].copy(), block.array("shift")[:found].copy()
             alike: Ints = block.array("case.found.alike").copy()
             traces = traces_of(block, len(shifts)) if traced else None
-            return place, shift, alike, count, traces
+            return place, shift, alike, count, block.record("case"), traces
         most *= 16
 
 

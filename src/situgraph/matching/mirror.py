@@ -8,14 +8,15 @@ what was seen, it is rather the plan that is wrong.
 from __future__ import annotations
 
 import math
+from itertools import accumulate
 
 import numpy as np
 
 from situgraph.matching.candidates import Known, find
 from situgraph.matching.posterior import Posterior, log_spread
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.semantics import in_one_room, most_evidence
-from situgraph.matching.tables import Aim, Floats
+from situgraph.matching.semantics import most_evidence
+from situgraph.matching.tables import Aim
 
 SLACK = 1e-6  # of L, for rounding
 LEAST_LOSS = 1e-9  # of a room, above zero
@@ -53,31 +54,32 @@ def aim_at(inputs: Inputs, least: float) -> Aim:
     loss = _losses(inputs)
     if inputs.weighs_objects:
         alone, together = most_evidence(inputs.objects, inputs.rates)
-        most += float(alone.sum()) + together
-        loss += in_one_room(inputs.objects, alone, rooms)
-    loss -= _others(inputs)
-    most -= float(np.minimum(loss, 0.0).sum())
-    loss = np.maximum(loss, LEAST_LOSS)
+        most += sum(alone) + together
+        for room, value in zip(inputs.objects.only, alone):
+            if room >= 0:  # what is in several may be told in any
+                loss[room] += value
+    most -= sum(min(x, 0.0) for x in loss)
     budget = most - least + SLACK
-    ranked = np.sort(loss)
-    spared = int((ranked.cumsum() <= budget).sum())
+    loss = [max(x, LEAST_LOSS) for x in loss]
+    ranked = sorted(loss)
+    spared = sum(lost <= budget for lost in accumulate(ranked))
     # Rooms that lose more than most are not told apart, so that groups can be formed of any.
     median = (ranked[(rooms - 1) // 2] + ranked[rooms // 2]) / 2
-    return Aim(max(inputs.least, rooms - spared), np.minimum(loss, median), budget)
+    told = np.array([min(x, median) for x in loss])
+    return Aim(max(inputs.least, rooms - spared), told, budget)
 
 
-def _others(inputs: Inputs) -> Floats:
-    """What each online room says at most where it is not explained."""
-    limits, shape = inputs.limits, inputs.seen.shape
-    told = np.log1p(limits.other_room * limits.shape_gain**shape)
-    return np.where(shape > 0, told, 0.0)
-
-
-def _losses(inputs: Inputs) -> Floats:
+def _losses(inputs: Inputs) -> list[float]:
     """What each online room's walls at least take from the largest L when it is not explained.
 
-    A plane that other rooms share may still fit in those.
+    A plane that other rooms share may still fit in those; and the room may be one like those of
+    the plan.
     """
-    limits = inputs.limits
-    lost = max(limits.room_true - limits.room_false, 0.0)
-    return np.asarray(lost + inputs.seen.own * limits.fit_peak, dtype=float)
+    limits, seen = inputs.limits, inputs.seen
+    lost, gain = max(limits.room_true - limits.room_false, 0.0), limits.shape_gain
+    return [
+        lost
+        + own * limits.fit_peak
+        - (math.log1p(limits.other_room * gain**shape) if shape > 0 else 0.0)
+        for own, shape in zip(seen.own.tolist(), seen.shape.tolist())
+    ]

@@ -7,11 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from situgraph.matching.cases import Tables
+from situgraph.matching.blocks import Laid
+from situgraph.matching.cases import Tables, room_of
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import content_of, no_content
 from situgraph.matching.index import PlanIndex
-from situgraph.matching.reading import Rooms, limits_of, read_rooms, seen_table, storey_heights
+from situgraph.matching.reading import Rooms, limits_of, read_rooms, seen_tables, storey_heights
 from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
 from situgraph.matching.sightings import Rates
 from situgraph.matching.sights import views_at, weigh
@@ -31,12 +32,10 @@ class Inputs:
     flipped: bool  # whether it is the mirror image (x to -x) of the online graph
     rooms: Rooms  # the online rooms that count; not mirrored
     storeys: Ints  # (N,) of each of them
-    seen: Seen
-    middle: Floats  # the mean of the room centres, map frame
-    content: Content
+    drawn: tuple[Tables, Tables]  # of the online graph and of its mirror image
+    middles: Floats  # (2, 2) the means of their room centres, map frame
     shifts: Floats  # in height
     mapping: Ints  # prior storey of each online storey, by shift
-    limits: Limits
 
     @property
     def kept(self) -> Ints:
@@ -47,6 +46,32 @@ class Inputs:
     def source(self) -> Ints:
         """The online plane of each row."""
         return self.rooms.source
+
+    @property
+    def tables(self) -> Tables:
+        """The tables of a search."""
+        return self.drawn[self.flipped]
+
+    @property
+    def seen(self) -> Seen:
+        """The online rooms."""
+        return self.tables.seen
+
+    @property
+    def limits(self) -> Limits:
+        """The constants."""
+        return self.tables.limits
+
+    @property
+    def content(self) -> Content:
+        """What rooms and planes hold, where that is asked."""
+        return self.tables.content
+
+    @property
+    def middle(self) -> Floats:
+        """The mean of the room centres, map frame."""
+        middle: Floats = self.middles[int(self.flipped)]
+        return middle
 
     @property
     def least(self) -> int:
@@ -82,22 +107,19 @@ class Inputs:
 
     def mirrored(self) -> Inputs:
         """The same of the mirror image (x to -x) of the online graph."""
-        seen, middle = seen_table(self.rooms, self.storeys, self.limits, True)
-        return replace(self, flipped=True, seen=seen, middle=middle)
-
-    @property
-    def tables(self) -> Tables:
-        """The tables of a search."""
-        return Tables(self.seen, self.index.table, self.limits, self.content)
+        return replace(self, flipped=True)
 
     def views(self, shift: Ints, at: Floats) -> View:
         """What is explained at placements (k,), (k, 3): ``View``'s fields, a placement a row."""
         return views_at(self.tables, self.mapping, shift, at)
 
-    def evidence(self, shift: Ints, at: Floats) -> tuple[Floats, Ints]:
-        """What the objects say of placements, and which prior object each online one is (k, n)."""
+    def evidence(self, shift: Ints, at: Floats, case: Laid | None = None) -> tuple[Floats, Ints]:
+        """What the objects say of placements, and which prior object each online one is (k, n).
+
+        ``case``, where there is one, is that of a search.
+        """
         objects = (self.objects.table, self.index.objects.table, self.rates)
-        return weigh(self.tables, self.mapping, *objects, shift, at)
+        return weigh(self.tables, self.mapping, *objects, shift, at, case)
 
 
 def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: MatchingConfig) -> Inputs:
@@ -112,12 +134,13 @@ def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: Matchi
     levels = [level[r] for r in rooms.kept.tolist()]
     heights = sorted(set(levels))
     storeys = np.array([heights.index(z) for z in levels], dtype=np.int64)
-    seen, middle = seen_table(rooms, storeys, limits, False)
+    seen, image, middles = seen_tables(rooms, storeys, limits)
     shifts, mapping = storey_shifts(np.array(heights), index.elevations, config.storey_tolerance)
     content = no_content()
     if semantics == "containment":
         content = content_of(online, index.stock, rooms.kept, rooms.first, rooms.source)
+    tables = Tables(seen, index.table, limits, content, room_of(seen, index.table, len(heights)))
+    drawn = tables, tables._replace(seen=image)
     return Inputs(
-        online, index, config, semantics, False, rooms, storeys, seen, middle, content, shifts,
-        mapping, limits,
-    )  # fmt: skip
+        online, index, config, semantics, False, rooms, storeys, drawn, middles, shifts, mapping
+    )

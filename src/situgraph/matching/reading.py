@@ -112,27 +112,27 @@ def storey_heights(graph: SceneGraph) -> list[float]:
 
 
 class Drafting(NamedTuple):
-    """The rooms of an online graph, and the table to be made of them."""
+    """The rooms of an online graph, and the tables to be made of them and of their mirror image."""
 
     seen: Seen
+    image: Seen
     limits: Limits
     room: Table  # (N, 3) centres
     equation: Table
     begin: Ints  # (N + 1,) ``Rooms.first``
     source: Ints
     level: Ints  # (N,) storeys
-    side: float  # -1 for the mirror image
     normal: Annotated[Floats, "P", 2]  # in the plan
     number: Annotated[Ints, "all planes"]
     share: Annotated[Floats, "planes"]
     tie: Annotated[Ints, "P"]
-    middle: Annotated[Floats, 2]
+    middle: Annotated[Floats, 2, 2]
 
 
-def seen_table(rooms: Rooms, storeys: Ints, limits: Limits, flipped: bool) -> tuple[Seen, Floats]:
-    """The online rooms as the search wants them, and the mean of their centres (2,).
+def seen_tables(rooms: Rooms, storeys: Ints, limits: Limits) -> tuple[Seen, Seen, Floats]:
+    """The online rooms as the search wants them, and their mirror image (x to -x).
 
-    ``storeys`` (N,) of the rooms; ``flipped``: of the mirror image (x to -x).
+    And the means of their centres (2, 2); ``storeys`` (N,) of the rooms.
     """
     first = rooms.first.tolist()
     counts = [end - begin for begin, end in pairwise(first)]
@@ -155,69 +155,73 @@ def seen_table(rooms: Rooms, storeys: Ints, limits: Limits, flipped: bool) -> tu
         begin=rooms.first,
         source=rooms.source,
         level=storeys,
-        side=-1.0 if flipped else 1.0,
         planes=planes,
         widest=max(counts, default=1),
     )
     draw_seen(block.place)
-    return cast(Seen, block.record("seen")), block.array("middle")
+    seen, image = (cast(Seen, block.record(name)) for name in ("seen", "image"))
+    return seen, image, block.array("middle")
 
 
 @entry
 def draw_seen(place):
-    """Fill the table of a ``Drafting``."""
-    _draw_seen(record_at(place, Drafting))
+    """Fill the tables of a ``Drafting``."""
+    _draw_both(record_at(place, Drafting))
 
 
 @part
-def _draw_seen(t):
-    seen, middle = t.seen, t.middle
+def _draw_both(t):
+    _number(t)
+    _draw_seen(t, t.seen, 1.0, t.middle[0])
+    t.seen.tied[0] = ties(t)
+    _draw_seen(t, t.image, -1.0, t.middle[1])
+
+
+@part
+def _draw_seen(t, seen, side, middle):
     rooms = len(seen.storey)
     for k in range(rooms):
-        middle[0] += t.side * t.room[k, 0] / rooms
+        middle[0] += side * t.room[k, 0] / rooms
         middle[1] += t.room[k, 1] / rooms
     for k in range(rooms):
-        seen.center[k, 0] = t.side * t.room[k, 0] - middle[0]
+        seen.center[k, 0] = side * t.room[k, 0] - middle[0]
         seen.center[k, 1] = t.room[k, 1] - middle[1]
         seen.storey[k] = t.level[k]
         seen.first[k + 1] = t.begin[k + 1]
         for i in range(t.begin[k], t.begin[k + 1]):
-            _line(t, k, i)
-    _number(t)
+            _line(t, seen, side, k, i)
     probes = 0
     for r in range(rooms):
-        found = _probes(t, r, probes)
+        found = _probes(t, seen, r, probes)
         seen.flat[r] = 1 if found == 0 else 0
         strict = found == 0 or seen.first[r + 1] - seen.first[r] == 2
         seen.strict[r] = 1 if strict else 0
         for k in range(probes, probes + found):
-            _place_probe(t, r, k)
+            _place_probe(t, seen, r, k)
         probes += found
         seen.probe_first[r + 1] = probes
         square(seen, r, t.limits.angle / 2, t.limits.angle, seen.plain[r])
-    _shape(t)
-    _crossings(t)
-    if t.side > 0.0:
-        seen.tied[0] = ties(t)
+    _shape(t, seen)
+    _crossings(t, seen)
 
 
 @part
-def _line(t, k, i):
+def _line(t, seen, side, k, i):
     """Row ``i``, of room ``k``."""
     plane, center = t.equation[t.source[i]], t.room[k]
     flat = math.sqrt(plane[0] * plane[0] + plane[1] * plane[1])
     reach = plane[0] * center[0] + plane[1] * center[1] + plane[2] * center[2] + plane[3]
-    t.normal[i, 0] = t.side * plane[0] / flat
+    t.normal[i, 0] = side * plane[0] / flat
     t.normal[i, 1] = plane[1] / flat
-    t.seen.angle[i] = math.atan2(plane[1], t.side * plane[0])
-    t.seen.distance[i] = reach / flat
+    seen.angle[i] = math.atan2(plane[1], side * plane[0])
+    seen.distance[i] = reach / flat
+    seen.plane[i] = t.number[t.source[i]] - 1
 
 
 @part
-def _place_probe(t, r, k):
-    seen = t.seen
+def _place_probe(t, seen, r, k):
     i, j, arm = seen.probe[k, 0], seen.probe[k, 1], seen.probe_arm[k]
-    _meeting(t, i, j, arm)
+    _meeting(t, seen, i, j, arm)
     length = math.sqrt(arm[0] * arm[0] + arm[1] * arm[1])
     arm[0] += seen.center[r, 0]
     arm[1] += seen.center[r, 1]
@@ -226,25 +230,22 @@ def _place_probe(t, r, k):
 
 @part
 def _number(t):
-    """Distinct planes numbered in the order they are met."""
+    """Distinct planes numbered in the order they are met, from 1 on; and how many rows each is."""
     number, count = t.number, 0
-    for k in range(len(t.seen.plane)):
+    for k in range(len(t.source)):
         p = t.source[k]
         if number[p] == 0:
             count += 1
             number[p] = count
-        t.seen.plane[k] = number[p] - 1
+        t.share[number[p] - 1] += 1.0
 
 
 @part
-def _shape(t):
+def _shape(t, seen):
     """Planes of each room but for two, four at most; a plane of k rooms counts 1 / k.
 
     And how many are in no other room.
     """
-    seen = t.seen
-    for k in range(len(seen.plane)):
-        t.share[seen.plane[k]] += 1.0
     for r in range(len(seen.shape)):
         for i in range(seen.first[r], seen.first[r + 1]):
             seen.own[r] += t.share[seen.plane[i]] == 1.0
@@ -256,9 +257,9 @@ def _shape(t):
 
 
 @part
-def _crossings(t):
+def _crossings(t, seen):
     """All pairs of planes of one room that are not parallel, the first one first."""
-    seen, count = t.seen, 0
+    count = 0
     for r in range(len(seen.storey)):
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(i + 1, seen.first[r + 1]):
@@ -270,9 +271,9 @@ def _crossings(t):
 
 
 @part
-def _meeting(t, i, j, out):
+def _meeting(t, seen, i, j, out):
     """Where rows ``i`` and ``j`` meet, from the room's centre."""
-    normal, distance, turn = t.normal, t.seen.distance, cross(t.normal, i, j)
+    normal, distance, turn = t.normal, seen.distance, cross(t.normal, i, j)
     out[0] = -(distance[i] * normal[j, 1] - distance[j] * normal[i, 1]) / turn
     out[1] = -(distance[j] * normal[i, 0] - distance[i] * normal[j, 0]) / turn
 
@@ -293,14 +294,14 @@ def _reach(turn, length, limits):
 
 
 @part
-def _probes(t, r, at):
+def _probes(t, seen, r, at):
     """Corners such that, whatever single plane is missing, one of them is whole; their number.
 
     They go to ``seen.probe`` from row ``at`` on. None when all planes are parallel. A plane that is
     in every corner cannot be missing: then no two planes that fit would be left that are not
     parallel.
     """
-    seen, begin, end = t.seen, t.seen.first[r], t.seen.first[r + 1]
+    begin, end = seen.first[r], seen.first[r + 1]
     count = 0
     lost_i, lost_j = -1, -1
     for attempt in range(3):

@@ -35,7 +35,7 @@ class SeenObjects(NamedTuple):
 
     ids: tuple[str, ...]
     table: Sighted
-    only: Ints  # (n,) the room each is in, where that is one; else -1
+    only: list[int]  # the room each is in, where that is one; else -1
     rows: int  # of planes that objects may be on
 
 
@@ -116,8 +116,8 @@ def seen_objects(
         room_first.append(len(room))
         row_first.append(len(row))
     at = np.array(place, dtype=np.float64).reshape(-1, 2) - middle
-    whole = _pieces((category, room_first, room, row_first, row, hung, only))
-    return SeenObjects(tuple(ids), Sighted(whole[0], at, *whole[1:6]), whole[6], len(source))
+    whole = _pieces((category, room_first, room, row_first, row, hung))
+    return SeenObjects(tuple(ids), Sighted(whole[0], at, *whole[1:]), only, len(source))
 
 
 def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
@@ -154,7 +154,7 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
     return Rates(**values, slots=Block(Rates, {}, **values))
 
 
-def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[Floats, float]:
+def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[list[float], float]:
     """An upper bound on the log ratio: what each online object adds, and what walls add.
 
     Each is at its place and on its wall, or of no account. Prior objects that were missed only
@@ -162,13 +162,7 @@ def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[Floats, float]:
     """
     table = seen.table
     together = most_shared(table.row_first, table.row, seen.rows, rates.shared)
-    return rates.most[table.category], float(together)
-
-
-def in_one_room(seen: SeenObjects, value: Floats, rooms: int) -> Floats:
-    """The sums of a value over the objects that are in one room only, by room (N,)."""
-    sums: Floats = np.bincount(seen.only + 1, value, rooms + 1)[1:]  # type: ignore[assignment]
-    return sums
+    return rates.most[table.category].tolist(), float(together)
 
 
 def _pieces(lists: Sequence[list[int]]) -> list[Ints]:

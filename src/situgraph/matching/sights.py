@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.blocks import Block
+from situgraph.matching.blocks import Block, Laid
 from situgraph.matching.cases import Tables
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.records import record_at
@@ -59,7 +59,8 @@ def views_at(tables: Tables, shifts: Ints, shift: Ints, at: Floats) -> View:
     """
     sizes = {"views": len(at), "weighed": 0, "objects": 0, "objects + 1": 1, "planned": 0}
     nothing = dict.fromkeys((*Sighted._fields, "planned", "rates"))
-    block = _looked(tables, shifts, shift, at, sizes | {"links": 0}, nothing)
+    given = nothing | tables.given(explaining(0, len(tables.seen.storey)))
+    block = _looked(tables, shifts, shift, at, sizes | {"links": 0}, given)
     return View(*map(block.array, View._fields))
 
 
@@ -71,10 +72,11 @@ def weigh(
     rates: Rates,
     shift: Ints,
     at: Floats,
+    case: Laid | None,
 ) -> tuple[Floats, Ints]:
     """Log ratios (k,) of the objects at such placements, and which prior object each is (k, n).
 
-    The prior object is -1 for none.
+    The prior object is -1 for none. It is worked in the ``case`` of a search, where there is one.
     """
     objects = len(sighted.category)
     sizes = {
@@ -85,7 +87,11 @@ def weigh(
         "planned": len(planned.category),
         "links": LINKS * objects,
     }
-    given = {**sighted._asdict(), "planned": planned.slots, "rates": rates.slots}
+    given = sighted._asdict() | {"planned": planned.slots, "rates": rates.slots}
+    if case is None:
+        given |= tables.given(explaining(0, len(tables.seen.storey)))
+    else:
+        given["case"] = case
     while True:
         block = _looked(tables, shifts, shift, at, sizes, given)
         value: Floats = block.array("value")
@@ -105,11 +111,10 @@ def _looked(
     """A ``Sights``, filled."""
     block = Block(
         Sights,
-        tables.sizes(shifts.shape[1]) | sizes,
+        tables.sizes() | sizes,
         shifts=shifts,
         shift=np.ascontiguousarray(shift, dtype=np.int64),
         at=np.ascontiguousarray(at, dtype=np.float64),
-        **tables.given(explaining(0, len(tables.seen.storey))),
         **given,
     )
     look_all(block.place)
