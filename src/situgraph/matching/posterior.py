@@ -85,7 +85,8 @@ def judge(
     ``filtered``: objects have filtered the candidates (policy ``containment``); the best need not
     be sure against ``outside`` then, which knows nothing of the filter.
     """
-    order = np.lexsort((peaks[:, 3], peaks[:, 2], peaks[:, 1], peaks[:, 0], -peaks[:, 4].round(9)))
+    z, yaw, x, y, height = peaks.T
+    order = np.lexsort((y, x, yaw, z, -height.round(9)))
     order = order[distinct(peaks[order], config.same_distance, config.same_yaw, config.same_height)]
     candidate = peaks[order]
     weight = candidate[:, 4] + math.log(1 - config.outside_prior) + log_spread(area, config)
@@ -97,7 +98,7 @@ def judge(
     verdict: Verdict = "none"
     solutions = 0
     if len(weight) and away <= inside:
-        solutions = int((share >= config.rival_ratio * share[0]).sum())
+        solutions = int(np.count_nonzero(share >= config.rival_ratio * share[0]))
         rivals = inside if filtered else total
         unique = solutions == 1 and share[0] >= config.unique_probability * rivals
         verdict = "unique" if unique else "ambiguous"

@@ -87,10 +87,13 @@ def read_rooms(graph: SceneGraph, tilt: float) -> Rooms:
         named = [[k for k in planes if k not in steep] for planes in named]
     kept = [r for r, planes in enumerate(named) if len(planes) > 1]
     rows = [named[r] for r in kept]
-    numbers = [x for p in graph.planes for x in (*p.normal, p.offset)]
+    numbers: list[float] = []
+    for p in graph.planes:
+        numbers += p.normal
+        numbers.append(p.offset)
     return Rooms(
         np.array([x for r in kept for x in graph.rooms[r].center], dtype=np.float64).reshape(-1, 3),
-        np.array(numbers, dtype=np.float64).reshape(-1, 4),
+        np.fromiter(numbers, dtype=np.float64).reshape(-1, 4),
         np.array(kept, dtype=np.int64),
         np.array([0, *accumulate(map(len, rows))], dtype=np.int64),
         np.array([k for planes in rows for k in planes], dtype=np.int64),

@@ -115,7 +115,7 @@ def seen_objects(
         only.append(room[begin] if len(room) == begin + 1 else -1)
         room_first.append(len(room))
         row_first.append(len(row))
-    at = np.array(place, dtype=np.float64).reshape(-1, 2) - middle
+    at = np.fromiter(place, dtype=np.float64).reshape(-1, 2) - middle
     whole = _pieces((category, room_first, room, row_first, row, hung))
     return SeenObjects(tuple(ids), Sighted(whole[0], at, *whole[1:]), only, len(source))
 
@@ -167,8 +167,8 @@ def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[list[float], float]:
 
 def _pieces(lists: Sequence[list[int]]) -> list[Ints]:
     """Each list as an array; they are made at once, which is faster."""
-    whole = np.array([*chain.from_iterable(lists)], dtype=np.int64)
-    ends = accumulate(map(len, lists), initial=0)
+    ends = [*accumulate(map(len, lists), initial=0)]
+    whole = np.fromiter(chain.from_iterable(lists), np.int64, ends[-1])
     return [whole[begin:end] for begin, end in pairwise(ends)]
 
 
