@@ -91,7 +91,7 @@ def announce_compilation(entry: Any) -> None:
         _FOLDER is not None and any(_FOLDER.glob(f"*/{entry.__module__.rpartition('.')[2]}.*.nbi"))
     ):
         return
-    print("situgraph: compiling the matcher, once (10 to 20 s)", file=sys.stderr, flush=True)
+    print("situgraph: compiling the matcher, once (10 to 30 s)", file=sys.stderr, flush=True)
 
 
 @contextmanager
