@@ -17,13 +17,13 @@ from situgraph.matching.explained import may_explain
 from situgraph.matching.hulls import hull, plane_spans
 from situgraph.matching.lookup import Reach, find
 from situgraph.matching.pairing import add_option, pair_up
+from situgraph.matching.plain import QUARTER
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import Slack, give, wrapped
 
 YAW, TURN, PX, PY, UX, UY, HU, HV, AX, AY = range(10)  # columns of a box
 SIDES = 10
 ROUNDS = 8  # of shrinking one box
-QUARTER = math.pi / 2
 GAIN = 0.8  # a round that leaves more of the box is the last
 
 

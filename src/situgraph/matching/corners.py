@@ -17,12 +17,12 @@ import numpy as np
 from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
+from situgraph.matching.plain import QUARTER
 from situgraph.matching.records import record_at
 from situgraph.matching.tables import Floats, Ints, Shorts, Single, Singles, Table
 
 MOST_PLANES = 34  # of a room; those with more have too many corners and are tried everywhere
 LEAST_CELL = 1.0  # metres
-QUARTER = math.pi / 2
 ROUNDED = 1e-6  # of a length, by which single precision may be off, and more
 
 

@@ -165,8 +165,10 @@ def _ascend(case, at):
 @part
 def leave(case, box):
     """Keep for the cover what may be feasible of a box that is not searched."""
+    if len(case.found.cover) == 0:
+        return
     arm = longest_arm(case)
-    if len(case.found.cover) > 0 and squeeze(case, box, arm):
+    if squeeze(case, box, arm):
         move_anchor(box)
         if squeeze(case, box, arm):
             keep_left(case, box, arm)

@@ -220,25 +220,15 @@ def _try(case, g, start):
     box = scratch(SIDES)
     copy_box(start, box)
     count[TRIED] += 1
-    if not partners_lie(case, box, g):
+    if not partners_lie(case, box, g) or _is_settled(case, box):
+        return
+    if not _partners(case, box, g) or _is_settled(case, box):
         return
     outlining = count[STAGE] == OUTLINING
-    if not outlining and settled_by(case, box):
-        leave(case, box)
+    if not outlining and enough_in_middle(case, start, g) and settles_at_once(case, start):
+        leave(case, start)
         return
-    if not _partners(case, box, g):
-        return
-    if not outlining:
-        if settled_by(case, box):
-            leave(case, box)
-            return
-        if enough_in_middle(case, start, g) and settles_at_once(case, start):
-            leave(case, start)
-            return
-    if not enough(case, box, g):
-        return
-    if not outlining and settled_by(case, box):
-        leave(case, box)
+    if not enough(case, box, g) or _is_settled(case, box):
         return
     copy_box(start, box)  # where its middle lies decides which peaks are found: searched uncut
     if enough(case, box, g):
@@ -246,6 +236,15 @@ def _try(case, g, start):
             _hold(case, box)
         else:
             explore(case, box)
+
+
+@part
+def _is_settled(case, box):
+    """Whether a settled peak stands for a box, which is left then; of an outline none is known."""
+    if case.found.count[STAGE] == OUTLINING or not settled_by(case, box):
+        return False
+    leave(case, box)
+    return True
 
 
 @part
