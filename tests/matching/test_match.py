@@ -9,8 +9,9 @@ import pytest
 
 from situgraph.errors import InputError
 from situgraph.geometry.poses import Placement
-from situgraph.matching import Matcher, PlanIndex, compiled, entries, matcher
+from situgraph.matching import Matcher, MatchingConfig, PlanIndex, compiled, entries, matcher
 from situgraph.matching.matcher import match
+from situgraph.plan.layouts import make_layout
 from situgraph.plan.sampler import sample_online
 from situgraph.plan.sampler_config import REALISTIC
 from situgraph.plan.six_rooms import six_rooms
@@ -64,6 +65,31 @@ def test_one_long_wall_moved_rather_than_three_short_ones() -> None:
     assert result.verdict == "unique"
     assert near(result.solutions[0].transform, Placement())
     assert {d.plane for d in result.solutions[0].deviations} == {"p0.2", "p1.2", "p2.2"}
+
+
+def test_a_map_that_drift_has_bent_keeps_its_place() -> None:
+    prior = make_layout("wings", 24, 80)
+    sample = sample_online(prior, 10, 80, REALISTIC)  # 70 m walked
+    result = match(sample.online, PlanIndex(prior), semantics="none")
+    assert result.verdict == "unique"
+    assert result.best is not None
+    apart = math.dist(
+        result.best.transform.points([[0.0, 0.0]])[0],
+        sample.truth.placement.points([[0.0, 0.0]])[0],
+    )
+    assert apart < 0.5  # where the walk began, at the edge of the map
+    rigid = PlanIndex(prior, MatchingConfig(map_bend=0.0))
+    assert match(sample.online, rigid, semantics="none").verdict == "none"
+
+
+def test_offsets_err_the_more_the_wider_the_map() -> None:
+    config = MatchingConfig()
+    sigmas = [config.sigma_of(spread) for spread in (0.0, 1.0, 5.0, 8.0, 11.0, 50.0)]
+    assert sigmas[0] == config.plane_sigma
+    assert sigmas == sorted(sigmas)
+    assert sigmas[2] == math.ceil(1e3 * math.hypot(0.06, math.radians(2) / 50 * 25)) / 1e3
+    assert sigmas[-1] == 0.087  # as if spread evenly over what fits
+    assert MatchingConfig(plane_sigma=0.1).sigma_of(50.0) == 0.1
 
 
 def test_a_mirror_image_is_never_unique() -> None:

@@ -92,6 +92,10 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     plane_sigma: Annotated[
         float, setting("Standard deviation of the offset of a wall that fits", "m", _MODEL, gt=0)
     ] = 0.06
+    map_bend: Annotated[
+        float,
+        setting("The map's heading errs by so much more with each metre", "rad/m", _MODEL, ge=0),
+    ] = math.radians(2) / 50
     angle_sigma: Annotated[
         float, setting("Standard deviation of a wall's direction", "rad", _MODEL, gt=0)
     ] = math.radians(2)
@@ -215,6 +219,17 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     def shape_gain(self) -> float:
         """How much likelier a plane of a shape that was met before is than one anywhere."""
         return self.clutter_length / (2 * self.plane_offset_tolerance)
+
+    def sigma_of(self, spread: float) -> float:
+        """Standard deviation (m) of the offset of a wall that fits, in a map of this ``spread``.
+
+        ``spread`` (m) is the rms distance of the room centres from their mean. A map bends the
+        more the wider it is, but offsets that fit are within the tolerance. Rounded up to a
+        millimetre, so that few sets of constants are met.
+        """
+        widest = max(self.plane_sigma, self.plane_offset_tolerance / math.sqrt(3))
+        sigma = min(math.hypot(self.plane_sigma, self.map_bend * spread * spread), widest)
+        return max(math.ceil(sigma * 1000 - 1e-6) / 1000, self.plane_sigma)
 
     def least_rooms(self, rooms: int) -> int:
         """K: how many of so many online rooms a candidate must explain."""

@@ -17,11 +17,11 @@ from situgraph.matching.containment import Stock, stock_of
 from situgraph.matching.corners import MOST_PLANES, corners_of
 from situgraph.matching.ground import BITS, REACH
 from situgraph.matching.plain import plain_rooms, widths_of
-from situgraph.matching.reading import Rooms, limits_of, plan_lines, read_rooms, storey_heights
+from situgraph.matching.reading import Constants, Rooms, plan_lines, read_rooms, storey_heights
 from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of
 from situgraph.matching.sightings import Rates
 from situgraph.matching.strands import strands_of
-from situgraph.matching.tables import Floats, Ints, Limits, Plan
+from situgraph.matching.tables import Floats, Ints, Plan
 from situgraph.scenegraph.graph import SceneGraph
 
 MAP_MARGIN = 3.0  # metres around the room centres
@@ -97,9 +97,9 @@ class PlanIndex:
         return rates_of(self.objects, self.config)
 
     @cached_property
-    def limits(self) -> Limits:
-        """The constants of a search."""
-        return limits_of(self.config)
+    def constants(self) -> Constants:
+        """The constants of searches."""
+        return Constants(self.config)
 
     @property
     def rooms(self) -> int:

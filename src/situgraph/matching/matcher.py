@@ -68,14 +68,16 @@ def match_knowing(
     peaks = find(inputs, inputs.aim, known)
     outside = log_outside(peaks.alike, inputs.seen, index.rooms, settings)
     filtered = semantics == "containment"
-    posterior = judge(peaks.place, peaks.shift, outside, index.area, settings, filtered=filtered)
+    posterior = judge(
+        peaks.place, peaks.shift, outside, inputs.log_spread, settings, filtered=filtered
+    )
     mirror, complete = -math.inf, not peaks.done[3]
     if posterior.verdict == "unique" and not filtered:
         mirror, whole = log_mirror(inputs, posterior, known)
         complete = complete and whole
     if mirror > -math.inf:
         elsewhere = float(np.logaddexp(outside, mirror))
-        posterior = judge(peaks.place, peaks.shift, elsewhere, index.area, settings)
+        posterior = judge(peaks.place, peaks.shift, elsewhere, inputs.log_spread, settings)
     end = time.perf_counter()
     found = Found(posterior, peaks.alike, peaks.done, complete, mirror - posterior.total)
     return MatchResult(inputs, found, (end - searched, end - begin))

@@ -13,7 +13,7 @@ from itertools import accumulate
 import numpy as np
 
 from situgraph.matching.candidates import Known, find
-from situgraph.matching.posterior import Posterior, log_spread
+from situgraph.matching.posterior import Posterior
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.semantics import most_evidence
 from situgraph.matching.tables import Aim
@@ -30,7 +30,7 @@ def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[floa
     config = inputs.config
     if config.mirror_prior <= 0:
         return -math.inf, True
-    log_prior = math.log(config.mirror_prior) + log_spread(inputs.index.area, config)
+    log_prior = math.log(config.mirror_prior) + inputs.log_spread
     least = _least_that_matters(posterior, config.unique_probability) - log_prior
     aim = aim_at(inputs, least)
     if aim.budget < 0:

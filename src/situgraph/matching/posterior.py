@@ -66,30 +66,34 @@ def log_outside(alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfi
     )
 
 
-def log_spread(area: float, config: MatchingConfig) -> float:
-    """Ln of the share of all placements that one candidate stands for: four yaws times the area."""
-    return math.log(2 * math.pi * config.plane_sigma**2 / (4 * area))
+def log_spread(area: float, sigma: float) -> float:
+    """Ln of the share of all placements that one candidate stands for: four yaws times the area.
+
+    ``sigma`` (m) is the standard deviation of offsets.
+    """
+    return math.log(2 * math.pi * sigma**2 / (4 * area))
 
 
 def judge(
     peaks: Floats,
     shift: Ints,
     outside: float,
-    area: float,
+    spread: float,
     config: MatchingConfig,
     *,
     filtered: bool = False,
 ) -> Posterior:
     """Weigh the peaks (height, yaw, x, y, L) against each other and against 'not in this plan'.
 
-    ``filtered``: objects have filtered the candidates (policy ``containment``); the best need not
-    be sure against ``outside`` then, which knows nothing of the filter.
+    ``spread`` is ``log_spread``. ``filtered``: objects have filtered the candidates (policy
+    ``containment``); the best need not be sure against ``outside`` then, which knows nothing of
+    the filter.
     """
     z, yaw, x, y, height = peaks.T
     order = np.lexsort((y, x, yaw, z, -height.round(9)))
     order = order[distinct(peaks[order], config.same_distance, config.same_yaw, config.same_height)]
     candidate = peaks[order]
-    weight = candidate[:, 4] + math.log(1 - config.outside_prior) + log_spread(area, config)
+    weight = candidate[:, 4] + math.log(1 - config.outside_prior) + spread
     top = max(outside, float(weight[0])) if len(weight) else outside
     share = np.exp(weight - top)
     away, inside = math.exp(outside - top), float(share.sum())

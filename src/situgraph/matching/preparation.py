@@ -12,7 +12,8 @@ from situgraph.matching.cases import Tables, room_of
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import content_of, no_content
 from situgraph.matching.index import PlanIndex
-from situgraph.matching.reading import Rooms, limits_of, read_rooms, seen_tables, storey_heights
+from situgraph.matching.posterior import log_spread
+from situgraph.matching.reading import Constants, Rooms, read_rooms, seen_tables, storey_heights
 from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
 from situgraph.matching.sightings import Rates
 from situgraph.matching.sights import views_at, weigh
@@ -33,6 +34,7 @@ class Inputs:
     rooms: Rooms  # the online rooms that count; not mirrored
     storeys: Ints  # (N,) of each of them
     drawn: tuple[Tables, Tables]  # of the online graph and of its mirror image
+    sigma: float  # of the offset of a wall that fits, metres
     middles: Floats  # (2, 2) the means of their room centres, map frame
     shifts: Floats  # in height
     mapping: Ints  # prior storey of each online storey, by shift
@@ -84,6 +86,11 @@ class Inputs:
         return explaining(self.least, len(self.kept))
 
     @property
+    def log_spread(self) -> float:
+        """Ln of the share of all placements that one candidate stands for."""
+        return log_spread(self.index.area, self.sigma)
+
+    @property
     def weighs_objects(self) -> bool:
         """Whether objects are evidence, and there are any."""
         return (
@@ -128,19 +135,20 @@ def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: Matchi
     Raises:
         InputError: a room names a plane that is not there.
     """
-    limits = index.limits if config is index.config else limits_of(config)
+    constants = index.constants if config is index.config else Constants(config)
     rooms = read_rooms(online, config.usable_tilt)
     level = storey_heights(online)
     levels = [level[r] for r in rooms.kept.tolist()]
     heights = sorted(set(levels))
     storeys = np.array([heights.index(z) for z in levels], dtype=np.int64)
-    seen, image, middles = seen_tables(rooms, storeys, limits)
+    seen, image, middles, spread = seen_tables(rooms, storeys, constants.limits(config.plane_sigma))
+    sigma = config.sigma_of(spread)
+    limits = constants.limits(sigma)
     shifts, mapping = storey_shifts(np.array(heights), index.elevations, config.storey_tolerance)
     content = no_content()
     if semantics == "containment":
         content = content_of(online, index.stock, rooms.kept, rooms.first, rooms.source)
     tables = Tables(seen, index.table, limits, content, room_of(seen, index.table, len(heights)))
     drawn = tables, tables._replace(seen=image)
-    return Inputs(
-        online, index, config, semantics, False, rooms, storeys, drawn, middles, shifts, mapping
-    )
+    common = online, index, config, semantics, False, rooms, storeys, drawn
+    return Inputs(*common, sigma, middles, shifts, mapping)

@@ -21,8 +21,8 @@ from situgraph.matching.ties import cross, ties
 from situgraph.scenegraph.graph import SceneGraph
 
 
-def limits_of(config: MatchingConfig) -> Limits:
-    """The constants of the search."""
+def limits_of(config: MatchingConfig, sigma: float) -> Limits:
+    """The constants of the search; ``sigma`` (m) is the standard deviation of offsets."""
     peak = (1 - config.p_moved - config.p_missing) * config.clutter_length
     together = config.p_together * 2 * config.moved_limit / config.p_moved
     values: dict[str, Any] = {
@@ -30,11 +30,11 @@ def limits_of(config: MatchingConfig) -> Limits:
         "moved": config.moved_limit,
         "angle": config.angle_tolerance,
         "sine": config.parallel_sine,
-        "fit_peak": math.log(peak / (math.sqrt(2 * math.pi) * config.plane_sigma)),
+        "fit_peak": math.log(peak / (math.sqrt(2 * math.pi) * sigma)),
         "moved_base": math.log(config.p_moved * config.clutter_length / (2 * config.moved_limit)),
-        "together": together / (2 * math.sqrt(math.pi) * config.plane_sigma),
+        "together": together / (2 * math.sqrt(math.pi) * sigma),
         "alone": 1 - config.p_together,
-        "apart_weight": 1 / (4 * config.plane_sigma**2),
+        "apart_weight": 1 / (4 * sigma**2),
         "thickness": config.wall_thickness,
         "missing": math.log(config.p_missing),
         "missing_shared": math.log(config.p_missing_shared),
@@ -42,7 +42,7 @@ def limits_of(config: MatchingConfig) -> Limits:
         "room_false": math.log(config.p_false_room),
         "other_room": config.p_other_room,
         "shape_gain": config.shape_gain,
-        "plane_weight": 1 / (2 * config.plane_sigma**2),
+        "plane_weight": 1 / (2 * sigma**2),
         "angle_weight": 1 / (2 * config.angle_sigma**2),
         "same_distance": config.same_distance,
         "same_yaw": config.same_yaw,
@@ -52,6 +52,22 @@ def limits_of(config: MatchingConfig) -> Limits:
         "max_work": config.max_work,
     }
     return Limits(**values, slots=Block(Limits, {}, **values))
+
+
+class Constants:
+    """The constants of searches in maps of any spread, made when they are first asked for."""
+
+    def __init__(self, config: MatchingConfig) -> None:
+        """By these settings."""
+        self._config = config
+        self._limits: dict[float, Limits] = {}
+
+    def limits(self, sigma: float) -> Limits:
+        """Those of this standard deviation of offsets (m)."""
+        found = self._limits.get(sigma)
+        if found is None:
+            found = self._limits[sigma] = limits_of(self._config, sigma)
+        return found
 
 
 class Rooms(NamedTuple):
@@ -130,12 +146,14 @@ class Drafting(NamedTuple):
     share: Annotated[Floats, "planes"]
     tie: Annotated[Ints, "P"]
     middle: Annotated[Floats, 2, 2]
+    spread: Annotated[Floats, 1]  # rms distance of the centres from their mean
 
 
-def seen_tables(rooms: Rooms, storeys: Ints, limits: Limits) -> tuple[Seen, Seen, Floats]:
+def seen_tables(rooms: Rooms, storeys: Ints, limits: Limits) -> tuple[Seen, Seen, Floats, float]:
     """The online rooms as the search wants them, and their mirror image (x to -x).
 
-    And the means of their centres (2, 2); ``storeys`` (N,) of the rooms.
+    And the means of their centres (2, 2), and their rms distance from it; ``storeys`` (N,) of the
+    rooms.
     """
     first = rooms.first.tolist()
     counts = [end - begin for begin, end in pairwise(first)]
@@ -163,7 +181,7 @@ def seen_tables(rooms: Rooms, storeys: Ints, limits: Limits) -> tuple[Seen, Seen
     )
     draw_seen(block.place)
     seen, image = (cast(Seen, block.record(name)) for name in ("seen", "image"))
-    return seen, image, block.array("middle")
+    return seen, image, block.array("middle"), float(block.array("spread")[0])
 
 
 @entry
@@ -177,6 +195,7 @@ def _draw_both(t):
     _number(t)
     _draw_seen(t, t.seen, 1.0, t.middle[0])
     t.seen.tied[0] = ties(t)
+    t.spread[0] = _spread(t.seen)
     _draw_seen(t, t.image, -1.0, t.middle[1])
 
 
@@ -206,6 +225,15 @@ def _draw_seen(t, seen, side, middle):
         square(seen, r, t.limits.angle / 2, t.limits.angle, seen.plain[r])
     _shape(t, seen)
     _crossings(t, seen)
+
+
+@part
+def _spread(seen):
+    """The rms distance of the rooms' centres from their mean."""
+    total, rooms = 0.0, len(seen.storey)
+    for k in range(rooms):
+        total += seen.center[k, 0] ** 2 + seen.center[k, 1] ** 2
+    return math.sqrt(total / max(rooms, 1))
 
 
 @part

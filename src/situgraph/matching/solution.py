@@ -191,7 +191,7 @@ class Solution:
             x, y = i.seen.center[room[k]]
             arm = np.array([c * x - s * y, s * x + c * y])
             slope = np.array([n[1] * arm[0] - n[0] * arm[1], n[0], n[1]])
-            sigma = math.sqrt(i.config.plane_sigma**2 + float(slope @ covariance @ slope))
+            sigma = math.sqrt(i.sigma**2 + float(slope @ covariance @ slope))
             if abs(view.offset[k]) > max(LEAST_DEVIATION, 3 * sigma):
                 found.append(
                     Deviation(
@@ -208,7 +208,7 @@ class Solution:
         n = i.index.table.row[view.row[rows], :2]
         arm = Placement(yaw=self._at[0]).vectors(i.seen.center[room[rows]])
         slope = np.stack([n[:, 1] * arm[:, 0] - n[:, 0] * arm[:, 1], n[:, 0], n[:, 1]], axis=1)
-        information = slope.T @ slope / i.config.plane_sigma**2
+        information = slope.T @ slope / i.sigma**2
         information[0, 0] += len(rows) / i.config.angle_sigma**2
         covariance: Floats = np.asarray(np.linalg.inv(information), dtype=float)
         return covariance

@@ -38,8 +38,16 @@ def wall(graph: SceneGraph, name: str, **changes: object) -> SceneGraph:
     return graph.replace(planes=planes)
 
 
-def problem(online: SceneGraph, prior: SceneGraph, policy: str = "none") -> Problem:
-    return Problem(online, prior, policy, Definition())  # type: ignore[arg-type]
+USUAL, RIGID = Definition(), Definition(map_bend=0.0)
+
+
+def problem(
+    online: SceneGraph,
+    prior: SceneGraph,
+    policy: str = "none",
+    constants: Definition = USUAL,
+) -> Problem:
+    return Problem(online, prior, policy, constants)  # type: ignore[arg-type]
 
 
 def states(online: SceneGraph, prior: SceneGraph) -> dict[str, str]:
@@ -101,7 +109,7 @@ def test_a_shared_wall_counts_once() -> None:
         rooms[1], planes=tuple("s0-0" if p == "s0-1" else p for p in rooms[1].planes)
     )
     shared = online.replace(rooms=tuple(rooms))
-    case = problem(shared, grid(1, 2))
+    case = problem(shared, grid(1, 2), constants=RIGID)
     assert wall_evidence(case, explained_at(case, HERE)) == pytest.approx(7 * FITS + 2 * SEEN)
 
 
@@ -115,9 +123,18 @@ def test_a_shared_wall_counts_once() -> None:
 )
 def test_a_wall_moves_as_one(one: tuple[str, float], two: tuple[str, float], spared: float) -> None:
     plan = wall(wall(grid(1, 2), one[0], offset=one[1]), two[0], offset=two[1])
-    case = problem(grid(1, 2), plan)
+    case = problem(grid(1, 2), plan, constants=RIGID)
     total = wall_evidence(case, explained_at(case, HERE))
     assert total == pytest.approx(6 * FITS + 2 * MOVES + spared + 2 * SEEN)
+
+
+def test_offsets_err_the_more_the_wider_the_map() -> None:
+    # Two rooms, their centres 4.2 m apart: 2.1 m each from the middle.
+    bent = math.radians(2) / 50 * 2.1**2
+    assert problem(grid(1, 1), grid(1, 1)).sigma == 0.06
+    assert problem(grid(1, 2), grid(1, 2)).sigma == math.ceil(1e3 * math.hypot(0.06, bent)) / 1e3
+    assert problem(grid(1, 9), grid(1, 9)).sigma == 0.087  # as if spread evenly over what fits
+    assert problem(grid(1, 9), grid(1, 9), constants=RIGID).sigma == 0.06
 
 
 def test_rooms_are_paired_for_number_first_and_score_after() -> None:
@@ -324,6 +341,6 @@ def test_a_room_that_stands_elsewhere_may_be_like_the_plans_all_the_same() -> No
     there = explained_at(own, HERE)
     assert len(there.pairs) == 3
     alike = math.log(1 + 0.05 * (10 / 0.3) ** 2)
-    expected = 12 * FITS + 3 * SEEN + math.log(0.1) + alike
+    expected = 12 * own.terms.fit + 3 * SEEN + math.log(0.1) + alike
     assert evidence(own, there) == pytest.approx(expected)
     assert compare(seen, plan, own).agrees

@@ -32,6 +32,7 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     storey_tolerance: float = 0.8
     clutter_length: float = 10.0
     plane_sigma: float = 0.06
+    map_bend: float = math.radians(2) / 50
     angle_sigma: float = math.radians(2)
     p_moved: float = 0.03
     p_together: float = 0.9
@@ -78,15 +79,15 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
             return rooms
         return math.ceil(self.min_share * rooms - 1e-9)
 
-    def terms(self) -> Terms:
+    def terms(self, sigma: float) -> Terms:
         """The constants of the log ratio of planes that fit, are moved, are missing."""
         fitting = 1 - self.p_moved - self.p_missing
-        peak = fitting * self.clutter_length / (math.sqrt(2 * math.pi) * self.plane_sigma)
+        peak = fitting * self.clutter_length / (math.sqrt(2 * math.pi) * sigma)
         return Terms(
             fit=math.log(peak),
             moved=math.log(self.p_moved * self.clutter_length / (2 * self.moved_limit)),
             missing=math.log(self.p_missing),
-            offset_spread=2 * self.plane_sigma**2,
+            offset_spread=2 * sigma**2,
             angle_spread=2 * self.angle_sigma**2,
         )
 

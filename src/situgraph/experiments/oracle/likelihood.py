@@ -86,7 +86,7 @@ def most_evidence(problem: Problem) -> float:
 def log_weight(problem: Problem, total: float) -> float:
     """Ln W of a placement whose L is ``total``."""
     c = problem.constants
-    spread = 2 * math.pi * c.plane_sigma**2 / (4 * plan_area(problem))
+    spread = 2 * math.pi * problem.sigma**2 / (4 * plan_area(problem))
     return math.log(1 - c.outside_prior) + total + math.log(spread)
 
 

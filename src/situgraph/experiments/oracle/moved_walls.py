@@ -50,7 +50,7 @@ def _spared(problem: Problem, one: _Face, two: _Face) -> float:
     side = math.copysign(1.0, x * u + y * v)
     if abs(one.offset - side * two.offset) > c.wall_thickness:
         return 0.0
-    sigma = math.sqrt(2) * c.plane_sigma
+    sigma = math.sqrt(2) * problem.sigma
     difference = one.shift - side * two.shift
     density = math.exp(-0.5 * (difference / sigma) ** 2) / (math.sqrt(2 * math.pi) * sigma)
     alone = c.p_moved / (2 * c.moved_limit)

@@ -187,7 +187,7 @@ def _cost(problem: Problem, held: View, at: Motion) -> float:
     for r, p, q, by_angle, by_offset, _ in _pulls(problem, held):
         angle = wrapped(float(problem.mine.angles[p] + at.yaw - problem.theirs.angles[q]))
         total += (by_angle * angle / c.angle_sigma) ** 2
-        total += (by_offset * _offset(problem, at, r, p, q) / c.plane_sigma) ** 2
+        total += (by_offset * _offset(problem, at, r, p, q) / problem.sigma) ** 2
     return total
 
 
@@ -204,7 +204,7 @@ def optimum(problem: Problem, held: View, stiff: Sequence[Pull] = ()) -> Motion:
         mine.distances[p] - theirs.offsets[q] - kept,
         mine.angles[p] - theirs.angles[q],
         np.stack([angles, offsets], axis=1),
-        (c.plane_sigma, c.angle_sigma),
+        (problem.sigma, c.angle_sigma),
         motion.yaw,
         motion.point,
     )

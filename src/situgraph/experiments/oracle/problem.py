@@ -119,7 +119,18 @@ class Problem:
     @cached_property
     def terms(self) -> Terms:
         """The constants of the log ratio of planes."""
-        return self.constants.terms()
+        return self.constants.terms(self.sigma)
+
+    @cached_property
+    def sigma(self) -> float:
+        """Standard deviation of the offset of a wall that fits, in whole millimetres or as set."""
+        c, mean_square = self.constants, float((self.arms**2).sum(axis=1).mean())
+        bent = math.sqrt(c.plane_sigma**2 + (c.map_bend * mean_square) ** 2)
+        even = c.fit_limit / math.sqrt(3)  # of offsets spread evenly over what fits
+        if even > c.plane_sigma:
+            bent = min(bent, even)
+            return max(c.plane_sigma, math.ceil(1000 * bent - 1e-6) / 1000)
+        return c.plane_sigma
 
     @cached_property
     def least_rooms(self) -> int:
