@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import numba
 
 from situgraph import __version__
-from situgraph.matching.parts import PartCompiler
+from situgraph.matching.parts import EntryCompiler, PartCompiler
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -69,7 +69,7 @@ def part(function: F) -> F:
 def entry(function: F) -> F:
     """Compile a function that is called from Python, with all it calls, and keep the result."""
     with _kept_in(_FOLDER) as cache:
-        return _compiled(function, cache=cache, no_cfunc_wrapper=True)
+        return _compiled(function, cache=cache, no_cfunc_wrapper=True, pipeline_class=EntryCompiler)
 
 
 _PART: dict[str, Any] = {

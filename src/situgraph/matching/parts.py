@@ -8,14 +8,36 @@ entry that links it optimises the whole program, and emits it, once.
 
 from __future__ import annotations
 
+import gc
+from functools import cache
 from typing import Any
 
 from llvmlite.binding import Linkage  # type: ignore[import-untyped]
+from numba.core import cgutils, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
-from numba.core.untyped_passes import InlineClosureLikes
+from numba.core.lowering import Lower
+from numba.core.typed_passes import (
+    AnnotateTypes,
+    InlineOverloads,
+    IRLegalization,
+    NativeLowering,
+    NopythonRewrites,
+    NoPythonSupportedFeatureValidation,
+)
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FindLiterallyCalls,
+    InlineClosureLikes,
+    InlineInlinables,
+    LiteralPropagationSubPipelinePass,
+    LiteralUnroll,
+    MakeFunctionToJitFunction,
+    RewriteDynamicRaises,
+    RewriteSemanticConstants,
+    WithLifting,
+)
 
 
 class PartLibrary(JITCodeLibrary):
@@ -80,11 +102,20 @@ class PartLibrary(JITCodeLibrary):
         return self._codegen.create_library(*args, **options)
 
 
+class PartLower(Lower):
+    """Lowering without what only a debugger would want."""
+
+    def alloca_lltype(self, name: str, lltype: Any, datamodel: Any = None) -> Any:
+        """Room for a variable on the stack."""
+        return cgutils.alloca_once(self.builder, lltype, name=name)
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LowerPart(NativeLowering):
     """Lowering into a library that is only linked."""
 
     _name = "lower_part"
+    lowering_class = PartLower
 
     def run_pass(self, state: Any) -> bool:
         """Lower one function."""
@@ -92,12 +123,70 @@ class LowerPart(NativeLowering):
         return bool(super().run_pass(state))
 
 
-# Passes for expressions on arrays, comprehensions and overloads, of which parts have none.
-NOT_FOR_PARTS = (InlineClosureLikes, InlineOverloads, NopythonRewrites)
+# Passes for arrays, closures, objects and literals, of which parts have none.
+NOT_FOR_PARTS = (
+    WithLifting,
+    InlineClosureLikes,
+    RewriteSemanticConstants,
+    DeadBranchPrune,
+    RewriteDynamicRaises,
+    MakeFunctionToJitFunction,
+    InlineInlinables,
+    FindLiterallyCalls,
+    LiteralUnroll,
+    LiteralPropagationSubPipelinePass,
+    InlineOverloads,
+    NopythonRewrites,
+    NoPythonSupportedFeatureValidation,
+    IRLegalization,
+    AnnotateTypes,
+)
+
+
+@cache
+def _signature(context: Any, function: Any, args: tuple[Any, ...]) -> Any:
+    """What a function of numba's returns for such arguments: asked once, not for each operator."""
+    return context.resolve_function_type(function, args, {})
+
+
+class PartTyping:
+    """A context of types that remembers the signatures of all that is not a kernel."""
+
+    def __init__(self, context: Any) -> None:
+        """The same as ``context`` otherwise."""
+        self._context = context
+
+    def __getattr__(self, name: str) -> Any:
+        """As in that context."""
+        return getattr(self._context, name)
+
+    def resolve_function_type(self, function: Any, args: tuple[Any, ...], kws: Any) -> Any:
+        """The signature of a call."""
+        if kws or isinstance(function, types.Dispatcher):
+            return self._context.resolve_function_type(function, args, kws)
+        return _signature(self._context, function, args)
+
+
+class EntryCompiler(Compiler):
+    """Numba's compiler while nobody looks for garbage: of millions of objects there is little."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function, with all its parts."""
+        before = gc.get_threshold()
+        gc.set_threshold(100_000, 50, 100)
+        try:
+            return super().compile_extra(function)
+        finally:
+            gc.set_threshold(*before)
 
 
 class PartCompiler(Compiler):
     """Numba's compiler, but for the last step, and for passes that would find nothing to do."""
+
+    def __init__(self, typingctx: Any, *args: Any) -> None:
+        """Arguments as those of numba's."""
+        super().__init__(typingctx, *args)
+        self.state.typingctx = PartTyping(typingctx)
 
     def define_pipelines(self) -> Any:
         """The usual passes; lowering replaced."""
