@@ -9,6 +9,7 @@ from situgraph.matching.nearby import BUCKETS
 from situgraph.matching.tables import Aim, Content, Limits, Plan, Seen
 
 WAITING = 64  # boxes of one pair of rooms that are put together
+SUMS, BESIDE = 10, 64  # of the sieve: marks, what is left, binary digits; rows beyond a map's
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
 
 
@@ -68,4 +69,8 @@ def room_of(seen: Seen, plan: Plan, storeys: int) -> dict[str, int]:
         "sides": SIDES,
         "like": prior // 64 + 1,
         "words": 4 * rooms * wide * tall,
+        "map": 4 * wide * tall,
+        "left": 64 + 16 * wide * tall,
+        "sums": SUMS,
+        "height": tall + BESIDE,
     }

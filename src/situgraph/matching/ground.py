@@ -62,7 +62,6 @@ class Canvas(NamedTuple):
     scale: float  # cells a metre
     columns: int
     rows: int
-    words: int  # of a row
     begin: int  # their first word
 
 
@@ -90,7 +89,7 @@ def _choose(case, most):
 
 
 @part
-def _draw(case, r):
+def draw(case, r):
     """Draw the map of a room."""
     plan, ground = case.plan, case.ground
     storey, slot = case.task.storeys[case.seen.storey[r]], ground.part[0] + r
@@ -101,7 +100,7 @@ def _draw(case, r):
     if storey < 0:
         return
     origin, wide, tall = plan.corner, plan.cells[0], plan.cells[1]
-    canvas = Canvas(origin[0], origin[1], origin[2], wide * BITS, tall, wide, slot * words)
+    canvas = Canvas(origin[0], origin[1], origin[2], wide * BITS, tall, slot * words)
     along, kept = case.found.along, scratch(8)
     for k in range(8):  # the search is among the boxes of another pair of rooms
         kept[k] = along[k >> 2, k & 3]
@@ -133,7 +132,7 @@ def _enter_plain(case, r, a, canvas):
     low, high = case.seen.plain[r, LOW], case.seen.plain[r, HIGH]
     yaw = plan[a, BASE] - case.seen.plain[r, BASE] + (low + high) / 2
     loose = (high - low) / 2 + case.limits.angle + 2 * SLACK
-    first, last = _quarter(case.ground, yaw - loose), _quarter(case.ground, yaw + loose)
+    first, last = quarter_at(case.ground, yaw - loose), quarter_at(case.ground, yaw + loose)
     ux, uy = plan[a, COS], plan[a, SIN]
     for quarter in range(4):
         if plain_places(case, r, a, quarter):
@@ -162,7 +161,7 @@ def _enter(case, r, a, canvas):
             wide = abs(box[UX]) * box[HU] + abs(box[UY]) * box[HV]
             tall = abs(box[UY]) * box[HU] + abs(box[UX]) * box[HV]
             loose = box[TURN] + limits.angle + 2 * SLACK
-            first, last = _quarter(ground, box[YAW] - loose), _quarter(ground, box[YAW] + loose)
+            first, last = quarter_at(ground, box[YAW] - loose), quarter_at(ground, box[YAW] + loose)
             _mark(ground.word, canvas, box[PX], box[PY], wide, tall, first, last)
             at = next_pair_box(case, r, i, k, a, at, reach, box)
 
@@ -173,23 +172,25 @@ def _mark(word, canvas, x, y, wide, tall, first, last):
 
     ``_spread`` adds a cell on all sides.
     """
-    x0 = _cell((x - wide - canvas.x) * canvas.scale, canvas.columns)
-    x1 = _cell((x + wide - canvas.x) * canvas.scale, canvas.columns)
-    y0 = _cell((y - tall - canvas.y) * canvas.scale, canvas.rows)
-    y1 = _cell((y + tall - canvas.y) * canvas.scale, canvas.rows)
-    words = canvas.words
+    x0 = nearest_cell((x - wide - canvas.x) * canvas.scale, canvas.columns)
+    x1 = nearest_cell((x + wide - canvas.x) * canvas.scale, canvas.columns)
+    y0 = nearest_cell((y - tall - canvas.y) * canvas.scale, canvas.rows)
+    y1 = nearest_cell((y + tall - canvas.y) * canvas.scale, canvas.rows)
     for quarter in (first, last):
-        top = canvas.begin + (quarter & 3) * words * canvas.rows
-        for w in range(x0 >> 6, (x1 >> 6) + 1):
-            begin, end = max(x0 - 64 * w, 0), min(x1 - 64 * w, 63)
-            run = ((2 << (end - begin)) - 1) << begin
-            low, high = top + y0 * words + w, top + y1 * words + w
-            word[low] |= run
-            word[high] |= run
-            for k in range(low + words, high, words):
-                word[k] |= run
+        mark_cells(word, canvas, x0, x1, y0, y1, quarter & 3)
         if first == last:
             break
+
+
+@part
+def mark_cells(word, canvas, x0, x1, y0, y1, quarter):
+    """Mark the cells of the columns ``x0`` to ``x1`` in the rows ``y0`` to ``y1``."""
+    for w in range(x0 >> 6, (x1 >> 6) + 1):
+        begin, end = max(x0 - 64 * w, 0), min(x1 - 64 * w, 63)
+        run = ((2 << (end - begin)) - 1) << begin
+        top = canvas.begin + (quarter * (canvas.columns >> 6) + w) * canvas.rows
+        for k in range(top + y0, top + y1 + 1):
+            word[k] |= run
 
 
 @part
@@ -199,41 +200,45 @@ def _spread(case, slot):
     for quarter in range(4):
         begin = (slot * 4 + quarter) * words * rows
         end = begin + words * rows
-        for y in range(begin, end, words):
+        for y in range(begin, begin + rows):
             before, now = 0, word[y]
-            for k in range(y, y + words):
-                after = word[k + 1] if k + 1 < y + words else 0
+            for k in range(y, end, rows):
+                after = word[k + rows] if k + rows < end else 0
                 word[k] = now | (now << 1) | (now >> 1) | (before >> 63) & 1 | (after << 63)
                 before, now = now, after
-        for column in range(begin, begin + words):
+        for column in range(begin, end, rows):
             before = 0
-            for k in range(column, end, words):
+            for k in range(column, column + rows):
                 now = word[k]
-                word[k] = now | before | (word[k + words] if k + words < end else 0)
+                word[k] = now | before | (word[k + 1] if k + 1 < column + rows else 0)
                 before = now
 
 
 @part
-def _cell(value, count):
+def begin_of(case, r, quarter):
+    """The first word of a room's map of a quarter."""
+    return ((case.ground.part[0] + r) * 4 + quarter) * case.plan.cells[0] * case.plan.cells[1]
+
+
+@part
+def nearest_cell(value, count):
     """The cell of ``count`` that is nearest to a place, in cells."""
     return min(max(math.floor(value), 0), count - 1)
 
 
 @part
-def _quarter(ground, yaw):
+def quarter_at(ground, yaw):
+    """The quarter turn nearest to a yaw, not reduced to four."""
     return round((yaw - ground.base) / QUARTER)
 
 
 @part
-def _lies(case, r, quarter, x, y):
-    """Whether the centre of ``r`` may lie within ``REACH`` of a place in the plan."""
-    plan = case.plan
-    origin, wide, tall = plan.corner, plan.cells[0], plan.cells[1]
-    column = _cell((x - origin[0]) * origin[2], wide * BITS)
-    row = ((case.ground.part[0] + r) * 4 + quarter) * tall
-    row += _cell((y - origin[1]) * origin[2], tall)
-    word = case.ground.word[row * wide + column // BITS]
-    return (word >> (column & (BITS - 1))) & 1 == 1
+def is_marked(plan, word, begin, x, y):
+    """Whether the cell of a place is marked in the map of a quarter, which begins at a word."""
+    column = nearest_cell((x - plan.corner[0]) * plan.corner[2], plan.cells[0] * BITS)
+    row = nearest_cell((y - plan.corner[1]) * plan.corner[2], plan.cells[1])
+    k = begin + (column // BITS) * plan.cells[1] + row
+    return (word[k] >> (column & (BITS - 1))) & 1 == 1
 
 
 @part
@@ -260,13 +265,13 @@ def _halves(ground, box):
     From number 2 on, and how far a place at a metre moves within one. Few boxes have yaws of their
     own, so the last of each quarter is kept.
     """
-    halves = ground.halves[_quarter(ground, box[YAW]) & 3]
+    halves = ground.halves[quarter_at(ground, box[YAW]) & 3]
     if halves[0] != box[YAW] or halves[1] != box[TURN]:
         halves[0], halves[1], half = box[YAW], box[TURN], box[TURN] / 2
         for side in range(2):
             yaw = box[YAW] + (half if side else -half)
             halves[2 + side], halves[4 + side] = math.cos(yaw), math.sin(yaw)
-            halves[6 + side] = _quarter(ground, yaw) & 3
+            halves[6 + side] = quarter_at(ground, yaw) & 3
         halves[8] = 2 * math.sin(half / 2) + 1e-12
     return halves
 
@@ -317,7 +322,7 @@ def _enough_at(case, box, g, yaw, half):
     groups, task = case.groups, case.task
     left = task.budget
     c, s = math.cos(yaw), math.sin(yaw)
-    quarter = _quarter(case.ground, yaw) & 3
+    quarter = quarter_at(case.ground, yaw) & 3
     farthest = (REACH - radius(box)) / (2 * math.sin(half / 2) + 1e-12)
     for k in range(groups.told[MAPPED]):
         if groups.apart[k] > farthest:
@@ -345,6 +350,6 @@ def _lies_nowhere(case, box, r, quarter, c, s):
     seen = case.seen
     gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
     if not case.ground.drawn[case.ground.part[0] + r]:
-        _draw(case, r)
+        draw(case, r)
     x, y = box[PX] + c * gx - s * gy, box[PY] + s * gx + c * gy
-    return not _lies(case, r, quarter, x, y)
+    return not is_marked(case.plan, case.ground.word, begin_of(case, r, quarter), x, y)

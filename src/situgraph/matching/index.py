@@ -16,7 +16,7 @@ from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Stock, stock_of
 from situgraph.matching.corners import MOST_PLANES, corners_of
 from situgraph.matching.ground import BITS, REACH
-from situgraph.matching.plain import plain_rooms, widths_of
+from situgraph.matching.plain import QUARTER, plain_rooms, widths_of
 from situgraph.matching.reading import Constants, Rooms, plan_lines, read_rooms, storey_heights
 from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of
 from situgraph.matching.sightings import Rates
@@ -127,6 +127,7 @@ class PlanIndex:
             plain,
             widths_of(plain),
             *cells_of(self.center),
+            _turns_of(row[:, 3]),
             widest,
             *strands_of(first, row, distance),
         )
@@ -145,6 +146,13 @@ def cells_of(center: Floats) -> tuple[Ints, Floats]:
     cell = max(REACH, math.sqrt(x * y / (CELLS_A_ROOM * len(center) + LEAST_CELLS)))
     wide, tall = math.ceil(x / cell / BITS), math.ceil(y / cell)
     return np.array([wide, tall], dtype=np.int64), np.array([*low, 1.0 / cell])
+
+
+def _turns_of(angle: Floats) -> Floats:
+    """The lowest and the highest direction (2,), each to the nearest quarter turn of the first."""
+    turn = angle - angle[0] if len(angle) else np.zeros(1)
+    turn -= np.rint(turn / QUARTER) * QUARTER
+    return np.array([turn.min(), turn.max()])
 
 
 def _area(prior: SceneGraph, heights: Floats, margin: float) -> float:

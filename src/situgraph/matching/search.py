@@ -45,6 +45,7 @@ from situgraph.matching.nearby import forget_peaks
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.settled import settled_by
+from situgraph.matching.sieve import may_lie, sift, sift_for
 from situgraph.matching.tables import (
     ANYWHERE,
     HELD,
@@ -135,6 +136,7 @@ def _search_groups(case):
     """All placements that explain one of the groups."""
     seen, plan, spans, task, groups = case.seen, case.plan, case.spans, case.task, case.groups
     rooms = len(seen.storey)
+    sift(case)
     for g in range(groups.told[MADE]):
         r = groups.member[groups.first[g]]
         storey = task.storeys[seen.storey[r]]
@@ -145,6 +147,7 @@ def _search_groups(case):
         if storey < 0:
             continue
         sort_rooms(case, r)
+        sift_for(case, g)
         if case.found.count[STAGE] == WITHIN:
             sight(case, r)
         for a in range(len(plan.storey)):
@@ -217,9 +220,11 @@ def _try(case, g, start):
     count = case.found.count
     if exhausted(case) or (count[STAGE] == WITHIN and far_off(case, start)):
         return
+    count[TRIED] += 1
+    if not may_lie(case, start):
+        return
     box = scratch(SIDES)
     copy_box(start, box)
-    count[TRIED] += 1
     if not partners_lie(case, box, g) or _is_settled(case, box):
         return
     if not _partners(case, box, g) or _is_settled(case, box):

@@ -26,6 +26,9 @@ CountTable = Annotated[NDArray[np.int16], None, None]
 
 FIT, MOVED, MISSING = 0, 1, 2  # states of an online plane
 MADE, MAPPED = range(2)  # what ``Groups.told`` tells
+# What ``Sieve.told`` tells: whether it was made, how many words are left, into how many parts the
+# yaws of a quarter are cut, how many of the rooms have to be marked.
+SIFTED, KEPT, PARTED, NEEDED = range(4)
 # What a search counts; CUT is 1 when it was cut short, LEFT and HELD are boxes of ``cover`` and
 # ``region``, STAGE is one of those below, SETTLED how often a peak was.
 PEAKS, TRIED, BOXES, CUT, WORK, LEFT, HELD, STAGE, SETTLED = range(9)
@@ -111,6 +114,7 @@ class Plan(NamedTuple):
     width: Table  # (2, M) their widths, NaN of those that have not four planes
     cells: Ints  # (2,) of a map of the plan (``ground``): words of 64 cells a row, rows
     corner: Floats  # (3,) where it begins, x and y in metres, and how many cells a metre has
+    turns: Floats  # (2,) lowest and highest direction of a wall from the first's, modulo a quarter
     widest: int  # most planes of one room
     strand_first: Ints  # (M + 1,) strands of a room of many walls (``strands``), by direction
     strand_normal: Table  # (S, 2)
@@ -297,6 +301,19 @@ class Ground(NamedTuple):
     halves: Annotated[Floats, 4, 9]  # by quarter: yaw and its half width, and their halves
 
 
+class Sieve(NamedTuple):
+    """Where all rooms together may lie, told for all cells of the plan at once (``sieve``)."""
+
+    room: Annotated[Ints, "N"]  # those that are counted
+    shift: Annotated[Ints, 2, "N"]  # columns and rows from the mean room centre to each, turned
+    open: Annotated[Ints, "N"]  # on which sides of its map each may lie outside of it
+    sums: Annotated[Ints, "sums", "height"]  # cells of a column of words: marks of a room, counts
+    left: Annotated[Ints, "left", 4]  # what is left: quarter and yaw, column, row, 64 cells
+    word: Annotated[Ints, "map"]  # where the anchor of a group is then, by quarter
+    turn: Annotated[Floats, 2]  # yaws from that of the quarter: the lowest, half width of a part
+    told: Annotated[Ints, 4]
+
+
 class Found(NamedTuple):
     """Peaks (k, 4): yaw, x, y of the mean room centre in the plan, L; and what the search did."""
 
@@ -336,6 +353,7 @@ class Case(NamedTuple):
     groups: Groups
     found: Found
     ground: Ground
+    sieve: Sieve
     one: View
     two: View
     steady: Steady

@@ -1,0 +1,358 @@
+"""Where all rooms together may lie, told for all cells of the plan at once, 64 of them a word.
+
+A feasible placement takes nearly all rooms to marked cells of their maps (``ground``). The mean
+room centre runs over all cells of the plan, the yaw over parts so narrow that no room moves by
+more than half a cell from where the middle of the part takes it. Then each map is shifted by whole
+cells, and how many rooms are marked is counted with binary digits that are words themselves.
+
+The cell of a room is that of the mean plus the rounded shift, or one beside it: half a cell for
+the yaw, half for the rounding, and less than one for where in its cell the mean lies leave three
+columns and three rows, and the maps are spread by a cell. Section 7 of ``docs/matching.md``.
+"""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from situgraph.matching.boxes import HU, HV, PX, PY, TURN, YAW
+from situgraph.matching.compiled import part
+from situgraph.matching.ground import (
+    BITS,
+    REACH,
+    Canvas,
+    begin_of,
+    draw,
+    is_marked,
+    mark_cells,
+    quarter_at,
+)
+from situgraph.matching.plain import QUARTER
+from situgraph.matching.slack import SLACK
+from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED
+
+LEFT, RIGHT, LOW, HIGH = 1, 2, 4, 8  # sides of a map
+FAR = 1.0e6  # cells
+SPARE = 8  # rooms that are counted beyond twice as many as may be lost
+WORTH = 64  # words counted for one hypothesis, at most
+AROUND = 2  # cells by which the anchor may be off: one for the yaw and rounding, one for a box
+
+
+@part
+def sift(case):
+    """Tell where the mean room centre can be, where that is worth it."""
+    told = case.sieve.told
+    told[SIFTED] = told[KEPT] = 0
+    counted = _choose(case)
+    if told[NEEDED] <= 0 or not _part(case, counted):
+        return
+    for k in range(counted):
+        _draw(case, case.sieve.room[k])
+    for quarter in range(4):
+        for k in range(counted):
+            case.sieve.open[k] = _open(case, begin_of(case, case.sieve.room[k], quarter))
+        for p in range(told[PARTED]):
+            if not _sift(case, counted, quarter, p):
+                return
+    told[SIFTED] = 1
+
+
+@part
+def _choose(case):
+    """Choose the rooms that are counted, those of the fewest cells; returns how many."""
+    sieve, ground, alike = case.sieve, case.ground, case.found.alike
+    room, count = sieve.room, 0
+    for r in range(len(room)):
+        if ground.known[r]:
+            k = count
+            while k > 0 and alike[room[k - 1]] > alike[r]:
+                room[k] = room[k - 1]
+                k -= 1
+            room[k] = r
+            count += 1
+    count = min(count, 2 * _spared(case, count) + SPARE)
+    sieve.told[NEEDED] = count - _spared(case, count)
+    return count
+
+
+@part
+def _draw(case, r):
+    """Draw the map of a room that has one."""
+    if case.ground.known[r] and not case.ground.drawn[case.ground.part[0] + r]:
+        draw(case, r)
+
+
+@part
+def _spared(case, count):
+    """How many of the first ``count`` rooms may be unexplained, at most."""
+    loss, ranked, room = case.task.loss, case.spans.sorted, case.sieve.room
+    for k in range(count):
+        value, m = loss[room[k]], k
+        while m > 0 and ranked[m - 1] > value:
+            ranked[m] = ranked[m - 1]
+            m -= 1
+        ranked[m] = value
+    left, k = case.task.budget, 0
+    while k < count and ranked[k] <= left:
+        left -= ranked[k]
+        k += 1
+    return min(k, len(loss) - case.task.least)
+
+
+@part
+def _part(case, counted):
+    """Cut the yaws at which rooms can be explained into parts; False when they are too many.
+
+    They are told from the quarter's, of which none may be so far that a box could lie in two.
+    """
+    seen, plan, sieve, groups = case.seen, case.plan, case.sieve, case.groups
+    low, high, far, wanted = math.inf, -math.inf, 0.0, 0
+    for k in range(counted):
+        r = sieve.room[k]
+        for i in range(seen.first[r], seen.first[r + 1]):
+            turn = seen.angle[i] - seen.angle[0]
+            turn -= round(turn / QUARTER) * QUARTER
+            low, high = min(low, turn), max(high, turn)
+    for r in range(len(seen.storey)):
+        far = max(far, math.sqrt(seen.center[r, 0] ** 2 + seen.center[r, 1] ** 2))
+    for g in range(groups.told[MADE]):
+        wanted += 4 * case.found.alike[groups.anchor[g]]
+    most = case.limits.angle + SLACK
+    low, high = plan.turns[0] - high - most, plan.turns[1] - low + most
+    half = min(0.4999 / (far * plan.corner[2] + 1e-9), most)
+    parts = math.ceil((high - low) / (2 * half))
+    sieve.turn[0], sieve.turn[1], sieve.told[PARTED] = low, half, parts
+    words = 4 * parts * counted * plan.cells[0] * plan.cells[1]
+    limit = QUARTER / 2 - 3 * case.limits.angle
+    return low >= -limit and high <= limit and words <= WORTH * wanted
+
+
+@part
+def _open(case, begin):
+    """The sides of a map at which a room may lie outside of it: it is marked there."""
+    word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
+    last = begin + (words - 1) * rows
+    left = right = low = high = 0
+    for y in range(rows):
+        left |= word[begin + y]
+        right |= word[last + y]
+    for top in range(begin, last + 1, rows):
+        low |= word[top]
+        high |= word[top + rows - 1]
+    sides = LEFT if left & 1 else 0
+    sides |= RIGHT if right < 0 else 0
+    sides |= LOW if low != 0 else 0
+    return sides | (HIGH if high != 0 else 0)
+
+
+@part
+def _sift(case, counted, quarter, p):
+    """For one part of the yaws; False where what is left cannot be told or is too much."""
+    sieve, words, rows = case.sieve, case.plan.cells[0], case.plan.cells[1]
+    _shift(case, counted, quarter, p)
+    left, right = _reach(case, counted, 0, 1, LEFT), _reach(case, counted, 0, -1, RIGHT)
+    low, high = _reach(case, counted, 1, 1, LOW), _reach(case, counted, 1, -1, HIGH)
+    if max(left, right, low, high) >= FAR:
+        return False
+    x0, x1, y0, height = -left, words * BITS + right, -low, rows + high + low
+    if height > len(sieve.sums[0]):
+        return False
+    if height <= 0:
+        return True
+    for x in range(x0, x1, BITS):
+        _count(case, counted, quarter, x, y0, height)
+        for y in range(height):
+            if sieve.sums[1, y] != 0:
+                k = sieve.told[KEPT]
+                if k == len(sieve.left):
+                    return False
+                sieve.left[k, 0], sieve.left[k, 1] = quarter * sieve.told[PARTED] + p, x
+                sieve.left[k, 2], sieve.left[k, 3] = y0 + y, sieve.sums[1, y]
+                sieve.told[KEPT] += 1
+    return True
+
+
+@part
+def _shift(case, counted, quarter, p):
+    """By how many cells each room is from the mean, for one part of the yaws."""
+    sieve, center = case.sieve, case.seen.center
+    yaw = _yaw(case, quarter, p)
+    c, s = math.cos(yaw) * case.plan.corner[2], math.sin(yaw) * case.plan.corner[2]
+    for k in range(counted):
+        x, y = center[sieve.room[k], 0], center[sieve.room[k], 1]
+        sieve.shift[0, k] = math.floor(c * x - s * y + 0.5)
+        sieve.shift[1, k] = math.floor(s * x + c * y + 0.5)
+
+
+@part
+def _yaw(case, quarter, p):
+    """The middle of a part of the yaws."""
+    low, half = case.sieve.turn[0], case.sieve.turn[1]
+    return case.ground.base + quarter * QUARTER + low + (2 * p + 1) * half
+
+
+@part
+def _reach(case, counted, axis, sign, side):
+    """How far beyond a side of the map the mean can be, so that enough rooms are on this one.
+
+    ``FAR`` when so many may lie outside that there is no telling.
+    """
+    sieve, ranked = case.sieve, case.spans.sorted
+    for k in range(counted):
+        value = FAR if sieve.open[k] & side else sign * sieve.shift[axis, k]
+        m = k
+        while m > 0 and ranked[m - 1] < value:
+            ranked[m] = ranked[m - 1]
+            m -= 1
+        ranked[m] = value
+    return int(ranked[sieve.told[NEEDED] - 1])
+
+
+@part
+def _count(case, counted, quarter, x, y0, height):
+    """Into ``sums[1]``: at which cells from ``(x, y0)`` on enough rooms are marked."""
+    sums, needed = case.sieve.sums, case.sieve.told[NEEDED]
+    digits = 0
+    while (1 << digits) < needed:
+        digits += 1
+    for d in range(digits):  # counted from where ``needed`` more carry over the last digit
+        fill = -(((1 << digits) - needed) >> d & 1)
+        for y in range(height):
+            sums[d + 2, y] = fill
+    for y in range(height):
+        sums[1, y] = 0
+    for k in range(counted):
+        begin, end = _bring(case, k, quarter, x, y0, height)
+        for d in range(digits):
+            _add(sums[d + 2], sums[0], begin, end)
+        for y in range(begin, end):
+            sums[1, y] |= sums[0, y]
+
+
+@part
+def _add(digit, carry, begin, end):
+    """Add to one digit of the sums; what is carried over is left in ``carry``."""
+    for y in range(begin, end):
+        both = digit[y] & carry[y]
+        digit[y] ^= carry[y]
+        carry[y] = both
+
+
+@part
+def _bring(case, k, quarter, x, y0, height):
+    """Into ``sums[0]``: where the ``k``-th room is marked; returns in which rows it can be."""
+    sieve, word, rows = case.sieve, case.ground.word, case.plan.cells[1]
+    out, sides = sieve.sums[0], sieve.open[k]
+    x, down = x + sieve.shift[0, k], y0 + sieve.shift[1, k]
+    begin, end = min(max(-down, 0), height), max(min(rows - down, height), 0)
+    column, right = x >> 6, x & (BITS - 1)
+    top = begin_of(case, sieve.room[k], quarter) + column * rows + down
+    outside = -1 if sides & (LEFT if column < 0 else RIGHT) else 0
+    if 0 <= column < case.plan.cells[0]:
+        for y in range(begin, end):
+            out[y] = _right(word[top + y], right)
+    else:
+        for y in range(begin, end):
+            out[y] = outside
+    if right > 0:
+        outside = -1 if sides & (LEFT if column + 1 < 0 else RIGHT) else 0
+        top += rows
+        if 0 <= column + 1 < case.plan.cells[0]:
+            for y in range(begin, end):
+                out[y] |= (word[top + y] << 1) << (BITS - 1 - right)
+        elif outside:
+            for y in range(begin, end):
+                out[y] |= -1 << (BITS - right)
+    if sides & LOW:
+        for y in range(begin):
+            out[y] = -1
+        begin = 0
+    if sides & HIGH:
+        for y in range(end, height):
+            out[y] = -1
+        end = height
+    return begin, end
+
+
+@part
+def sift_for(case, g):
+    """Mark where the anchor of group ``g`` is when all of the group lie where they can."""
+    sieve, plan, groups = case.sieve, case.plan, case.groups
+    if not sieve.told[SIFTED]:
+        return
+    for k in range(len(sieve.word)):
+        sieve.word[k] = 0
+    wide, tall = plan.cells[0] * BITS, plan.cells[1]
+    canvas = Canvas(plan.corner[0], plan.corner[1], plan.corner[2], wide, tall, 0)
+    count = 0
+    for m in range(groups.first[g], groups.first[g + 1]):
+        r = groups.member[m]
+        if m == groups.first[g] or case.ground.known[r]:
+            sieve.room[count] = r
+            count += 1
+            _draw(case, r)
+    part = -1
+    for m in range(sieve.told[KEPT]):
+        if part != sieve.left[m, 0]:
+            part = sieve.left[m, 0]
+            quarter = part // sieve.told[PARTED]
+            _shift(case, count, quarter, part % sieve.told[PARTED])
+        x, y, bits = sieve.left[m, 1], sieve.left[m, 2], sieve.left[m, 3]
+        for k in range(count):
+            if bits != 0 and case.ground.known[sieve.room[k]]:
+                begin = begin_of(case, sieve.room[k], quarter)
+                bits &= _cells(case, begin, x + sieve.shift[0, k], y + sieve.shift[1, k])
+        x, y = x + sieve.shift[0, 0], y + sieve.shift[1, 0]
+        y0, y1 = _inside(y - AROUND, tall), _inside(y + AROUND, tall)
+        b = 0
+        while bits != 0:
+            if bits & 1:
+                x0, x1 = _inside(x + b - AROUND, wide), _inside(x + b + AROUND, wide)
+                mark_cells(sieve.word, canvas, x0, x1, y0, y1, quarter)
+            bits = _right(bits, 1)
+            b += 1
+
+
+@part
+def _cells(case, begin, x, y):
+    """The 64 cells of a map from ``(x, y)`` on, beyond a side those nearest to it."""
+    word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
+    begin += _inside(y, rows)
+    column, right = x >> 6, x & (BITS - 1)
+    one = two = word[begin] << 63 >> 63
+    if column >= 0:
+        one = word[begin + min(column, words - 1) * rows]
+        one = one if column < words else one >> 63
+    if right == 0:
+        return one
+    if column >= -1:
+        two = word[begin + min(column + 1, words - 1) * rows]
+        two = two if column + 1 < words else two >> 63
+    return _right(one, right) | two << (BITS - right)
+
+
+@part
+def _right(bits, by):
+    """Shifted to the right, zeros following."""
+    return np.int64(np.uint64(bits) >> np.uint64(by))
+
+
+@part
+def _inside(cell, count):
+    """The nearest cell of a map."""
+    return min(max(cell, 0), count - 1)
+
+
+@part
+def may_lie(case, box):
+    """Whether the anchor of the group may lie where a box takes it."""
+    sieve, plan = case.sieve, case.plan
+    wide = box[HU] ** 2 + box[HV] ** 2 > REACH * REACH or box[TURN] > 2 * case.limits.angle
+    if not sieve.told[SIFTED] or wide:
+        return True
+    quarter = quarter_at(case.ground, box[YAW]) & 3
+    begin = quarter * plan.cells[0] * plan.cells[1]
+    return is_marked(plan, sieve.word, begin, box[PX], box[PY])

@@ -1,0 +1,89 @@
+"""The sieve counts marked rooms for all cells at once: it keeps every place where enough are."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from situgraph.matching import MatchingConfig, PlanIndex
+from situgraph.matching.blocks import Block
+from situgraph.matching.compiled import entry
+from situgraph.matching.preparation import prepare
+from situgraph.matching.records import record_at
+from situgraph.matching.sieve import sift
+from situgraph.matching.tables import KEPT, NEEDED, PARTED, SIFTED, Case
+from situgraph.plan.layouts import make_layout
+from situgraph.plan.sampler import sample_online
+from situgraph.plan.sampler_config import REALISTIC
+
+
+@entry
+def sifted(place):  # type: ignore[no-untyped-def]
+    """Run the sieve of a case."""
+    sift(record_at(place, Case))
+
+
+def drawn(rooms: int) -> tuple[Block, Any]:
+    """A case of so many rooms, whose maps are drawn and have no marks; and what it is made of."""
+    plan = make_layout("random", 100, 0)
+    inputs = prepare(
+        sample_online(plan, rooms, 0, REALISTIC).online, PlanIndex(plan), "none", MatchingConfig()
+    )
+    case = Block(Case, inputs.tables.sizes(peaks=8, maps=1), **inputs.tables.given(inputs.aim))
+    case.array("ground.known")[:] = case.array("ground.drawn")[:] = 1
+    case.array("found.alike")[:] = case.array("groups.told")[0] = 100
+    return case, inputs
+
+
+def mark(case: Block, index: PlanIndex, r: int, quarter: int, x: float, y: float) -> None:
+    """Mark the cell of a place and those beside it, the nearest of the map for each."""
+    wide, tall = index.table.cells.tolist()
+    maps = case.array("ground.word").view(np.uint64).reshape(-1, 4, wide, tall)
+    corner = index.table.corner
+    column, row = (math.floor((v - o) * corner[2]) for v, o in zip((x, y), corner))
+    for c in range(column - 1, column + 2):
+        at = min(max(c, 0), 64 * wide - 1)
+        low, high = (min(max(v, 0), tall - 1) for v in (row - 1, row + 1))
+        maps[r, quarter, at // 64, low : high + 1] |= np.uint64(1 << (at % 64))
+
+
+def left(case: Block) -> set[tuple[int, int, int]]:
+    """Quarter, column and row of the cells that are left."""
+    told = case.array("sieve.told")
+    found = set()
+    for part, x, y, bits in case.array("sieve.left")[: told[KEPT]].tolist():
+        found |= {(part // int(told[PARTED]), x + b, y) for b in range(64) if bits >> b & 1}
+    return found
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_where_enough_rooms_are_marked_the_mean_is_left(seed: int) -> None:
+    case, inputs = drawn(12)
+    sifted(case.place)
+    told = case.array("sieve.told")
+    assert told[SIFTED] == 1
+    assert left(case) == set()
+    rng, index, center = np.random.default_rng(seed), inputs.index, inputs.seen.center
+    corner, cells = index.table.corner, index.table.cells
+    quarter = int(rng.integers(4))
+    low, half = case.array("sieve.turn").tolist()
+    turn = inputs.tables.turn + quarter * math.pi / 2
+    yaw = turn + low + rng.uniform(0, 2 * half * int(told[PARTED]))
+    c, s = math.cos(yaw), math.sin(yaw)
+    size = np.array([64 * cells[0], cells[1]]) / corner[2]
+    middle = corner[:2] + rng.uniform(-0.05, 1.05, 2) * size  # rooms may be beyond the map
+    rooms = rng.permutation(len(center))
+    for k, r in enumerate(rooms):
+        if k == told[NEEDED] - 1:
+            sifted(case.place)
+            assert left(case) == set()
+        if k == told[NEEDED]:
+            break
+        x, y = middle + np.array([[c, -s], [s, c]]) @ center[r]
+        mark(case, index, int(r), quarter, x, y)
+    sifted(case.place)
+    column, row = np.floor((middle - corner[:2]) * corner[2]).astype(int)
+    assert not case.array("sieve.told")[SIFTED] or (quarter, column, row) in left(case)
