@@ -33,7 +33,7 @@ def drawn(rooms: int) -> tuple[Block, Any]:
         sample_online(plan, rooms, 0, REALISTIC).online, PlanIndex(plan), "none", MatchingConfig()
     )
     case = Block(Case, inputs.tables.sizes(peaks=8, maps=1), **inputs.tables.given(inputs.aim))
-    case.array("ground.known")[:] = case.array("ground.drawn")[:] = 1
+    case.array("ground.drawn")[:] = 1
     case.array("found.alike")[:] = case.array("groups.told")[0] = 100
     return case, inputs
 
@@ -75,7 +75,7 @@ def test_where_enough_rooms_are_marked_the_mean_is_left(seed: int) -> None:
     c, s = math.cos(yaw), math.sin(yaw)
     size = np.array([64 * cells[0], cells[1]]) / corner[2]
     middle = corner[:2] + rng.uniform(-0.05, 1.05, 2) * size  # rooms may be beyond the map
-    rooms = rng.permutation(len(center))
+    rooms = rng.permutation(np.flatnonzero(case.array("sieve.counted")))
     for k, r in enumerate(rooms):
         if k == told[NEEDED] - 1:
             sifted(case.place)

@@ -82,9 +82,9 @@ def _choose(case, most):
     """Choose the rooms whose maps have up to a share of all cells marked; returns their loss."""
     seen, task, lost = case.seen, case.task, 0.0
     for r in range(len(seen.storey)):
-        tells = task.storeys[seen.storey[r]] < 0 or _tells(case, r, most)
-        case.ground.known[r] = 1 if tells else 0
-        lost += task.loss[r] if tells else 0.0
+        known = tells(case, r, most)
+        case.ground.known[r] = 1 if known else 0
+        lost += task.loss[r] if known else 0.0
     return lost
 
 
@@ -116,9 +116,11 @@ def draw(case, r):
 
 
 @part
-def _tells(case, r, most):
+def tells(case, r, most):
     """Whether about ``most`` of a room's map are marked at most: all marked, it tells nothing."""
     seen, plan = case.seen, case.plan
+    if case.task.storeys[seen.storey[r]] < 0:
+        return True
     if seen.flat[r] or seen.first[r + 1] - seen.first[r] < 3:
         return False
     cells = plan.cells[0] * plan.cells[1] * BITS

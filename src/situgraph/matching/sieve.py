@@ -29,6 +29,7 @@ from situgraph.matching.ground import (
     is_marked,
     mark_cells,
     quarter_at,
+    tells,
 )
 from situgraph.matching.plain import QUARTER
 from situgraph.matching.slack import SLACK
@@ -36,6 +37,7 @@ from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED
 
 LEFT, RIGHT, LOW, HIGH = 1, 2, 4, 8  # sides of a map
 FAR = 1.0e6  # cells
+MOST_COUNTED = 0.9  # share of all cells, about, that are marked in the map of one that is counted
 SPARE = 8  # rooms that are counted beyond twice as many as may be lost
 WORTH = 64  # words counted for one hypothesis, at most
 AROUND = 2  # cells by which the anchor may be off: one for the yaw and rounding, one for a box
@@ -50,7 +52,9 @@ def sift(case):
     if told[NEEDED] <= 0 or not _part(case, counted):
         return
     for k in range(counted):
-        _draw(case, case.sieve.room[k])
+        r = case.sieve.room[k]
+        if not case.ground.drawn[case.ground.part[0] + r]:
+            draw(case, r)
     for quarter in range(4):
         for k in range(counted):
             case.sieve.open[k] = _open(case, begin_of(case, case.sieve.room[k], quarter))
@@ -63,10 +67,10 @@ def sift(case):
 @part
 def _choose(case):
     """Choose the rooms that are counted, those of the fewest cells; returns how many."""
-    sieve, ground, alike = case.sieve, case.ground, case.found.alike
+    sieve, alike = case.sieve, case.found.alike
     room, count = sieve.room, 0
     for r in range(len(room)):
-        if ground.known[r]:
+        if tells(case, r, MOST_COUNTED):
             k = count
             while k > 0 and alike[room[k - 1]] > alike[r]:
                 room[k] = room[k - 1]
@@ -74,15 +78,12 @@ def _choose(case):
             room[k] = r
             count += 1
     count = min(count, 2 * _spared(case, count) + SPARE)
+    for r in range(len(room)):
+        sieve.counted[r] = 0
+    for k in range(count):
+        sieve.counted[room[k]] = 1
     sieve.told[NEEDED] = count - _spared(case, count)
     return count
-
-
-@part
-def _draw(case, r):
-    """Draw the map of a room that has one."""
-    if case.ground.known[r] and not case.ground.drawn[case.ground.part[0] + r]:
-        draw(case, r)
 
 
 @part
@@ -290,10 +291,9 @@ def sift_for(case, g):
     count = 0
     for m in range(groups.first[g], groups.first[g + 1]):
         r = groups.member[m]
-        if m == groups.first[g] or case.ground.known[r]:
+        if m == groups.first[g] or sieve.counted[r]:
             sieve.room[count] = r
             count += 1
-            _draw(case, r)
     part = -1
     for m in range(sieve.told[KEPT]):
         if part != sieve.left[m, 0]:
@@ -302,7 +302,7 @@ def sift_for(case, g):
             _shift(case, count, quarter, part % sieve.told[PARTED])
         x, y, bits = sieve.left[m, 1], sieve.left[m, 2], sieve.left[m, 3]
         for k in range(count):
-            if bits != 0 and case.ground.known[sieve.room[k]]:
+            if bits != 0 and sieve.counted[sieve.room[k]]:
                 begin = begin_of(case, sieve.room[k], quarter)
                 bits &= _cells(case, begin, x + sieve.shift[0, k], y + sieve.shift[1, k])
         x, y = x + sieve.shift[0, 0], y + sieve.shift[1, 0]

@@ -304,7 +304,8 @@ class Ground(NamedTuple):
 class Sieve(NamedTuple):
     """Where all rooms together may lie, told for all cells of the plan at once (``sieve``)."""
 
-    room: Annotated[Ints, "N"]  # those that are counted
+    room: Annotated[Ints, "N"]  # those that are counted, or of a group
+    counted: Annotated[Ints, "N"]  # whether each room is
     shift: Annotated[Ints, 2, "N"]  # columns and rows from the mean room centre to each, turned
     open: Annotated[Ints, "N"]  # on which sides of its map each may lie outside of it
     sums: Annotated[Ints, "sums", "height"]  # cells of a column of words: marks of a room, counts
