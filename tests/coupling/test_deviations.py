@@ -238,6 +238,78 @@ def test_all_planes_of_a_moved_wall_are_its_face(by: float) -> None:
         assert ((name, face) in found) is same
 
 
+@pytest.mark.parametrize(("behind", "counts"), [(0.13, False), (0.0, True)])
+def test_a_shut_door_or_a_pane_is_not_its_wall(behind: float, counts: bool) -> None:
+    """The leaf of a shut door in the depth of the wall, of which nothing else was seen."""
+    door = next(o for o in PRIOR.objects if o.category == "door")
+    face = PRIOR.plane_by_id[door.planes[0]]
+    n = np.array([face.normal[0], face.normal[1]])
+    along = np.array([-n[1], n[0]])
+    foot = (door.center[:2] @ along) * along - (face.offset + behind) * n
+    ends = tuple(tuple((foot + k * along).tolist()) for k in (-0.4, 0.4))
+    leaf = Plane("leaf", face.normal, face.offset + behind, ends)
+    online = seen(instead(PRIOR, face.id, leaf))
+    pairs = all_pairs(online)
+    for matched in ({}, {"leaf": face.id}):
+        found = associate_planes(online, PRIOR, MAP, pairs.storeys, matched, CONFIG)
+        assert (("leaf", face.id) in found) is counts
+
+
+@pytest.mark.parametrize(
+    ("share", "off", "counts"), [(0.3, 0.2, False), (0.3, 0.02, True), (0.7, 0.2, True)]
+)
+def test_a_piece_before_a_wall_is_a_thing(share: float, off: float, counts: bool) -> None:
+    """What bounds no room and is much shorter than the face that was planned behind it."""
+    face = PRIOR.plane_by_id["p0"]
+    (ax, ay), (bx, by) = face.extent
+    ends = ((ax, ay), (ax + share * (bx - ax), ay + share * (by - ay)))
+    piece = Plane("piece", face.normal, face.offset - off, ends)
+    online = seen(instead(PRIOR, "p0", piece))
+    pairs = all_pairs(online)
+    found = associate_planes(online, PRIOR, MAP, pairs.storeys, {}, CONFIG)
+    assert (("piece", "p0") in found) is counts
+
+
+def instead(graph: SceneGraph, name: str, plane: Plane) -> SceneGraph:
+    """The graph with another plane, which bounds no room, in place of one."""
+    change = msgspec.structs.replace
+    rest = lambda planes: tuple(p for p in planes if p != name)  # noqa: E731
+    return graph.replace(
+        planes=(*(p for p in graph.planes if p.id != name), plane),
+        rooms=tuple(change(r, planes=rest(r.planes)) for r in graph.rooms),
+        objects=tuple(change(o, planes=rest(o.planes)) for o in graph.objects),
+    )
+
+
+def test_a_leaf_askew_before_a_wall_is_not_its_surface() -> None:
+    """Its line crosses that of the wall in the wall's middle, where the leaf is not."""
+    face = PRIOR.plane_by_id["p0"]
+    (ax, ay), (bx, by) = face.extent
+    middle, n = np.array([(ax + bx) / 2, (ay + by) / 2]), np.array(face.normal[:2])
+    along = np.array([bx - ax, by - ay]) / math.dist((ax, ay), (bx, by))
+    turned = math.cos(0.05) * n + math.sin(0.05) * along
+    across = np.array([turned[1], -turned[0]])
+    ends = tuple(tuple((middle + k * across).tolist()) for k in (1.5, 2.7))
+    leaf = Plane("leaf", (*turned.tolist(), 0.0), -float(turned @ middle), ends)
+    online = seen(PRIOR.replace(planes=(*PRIOR.planes, leaf)))
+    pairs = all_pairs(online)
+    matched = {p.id: p.id for p in PRIOR.planes}
+    found = associate_planes(online, PRIOR, MAP, pairs.storeys, matched, CONFIG)
+    assert [pair for pair in found if pair[0] == "leaf"] == []
+
+
+def test_no_wall_stands_where_a_face_is_virtual() -> None:
+    face = PRIOR.room_by_id["r1"].planes[0]
+    planes = tuple(
+        msgspec.structs.replace(p, virtual=True) if p.id == face else p for p in PRIOR.planes
+    )
+    online = seen(PRIOR, {face: 0.1})
+    pairs = all_pairs(online)
+    plan = PRIOR.replace(planes=planes)
+    found = associate_planes(online, plan, MAP, pairs.storeys, {face: face}, CONFIG)
+    assert face not in {planned for _, planned in found}
+
+
 def test_the_answer_is_strict_json() -> None:
     document = located(seen(PRIOR, {"p5": 0.2})).to_dict()
     again = json.loads(json.dumps(document, allow_nan=False))

@@ -9,9 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.deviation import along_of
+from situgraph.coupling.panes import is_pane
 from situgraph.coupling.walls import stretch
 from situgraph.geometry.poses import Array, Placement
-from situgraph.scenegraph.graph import Plane, Room, SceneGraph, Vec2
+from situgraph.scenegraph.graph import Plane, Room, SceneGraph
 
 
 class Option(NamedTuple):
@@ -43,14 +45,16 @@ def associate_planes(
     several planes. A face gets the nearest plane of its direction that covers half of it, else the
     nearest with a common stretch, one that bounds a room before others; further ones only in the
     surface of that one, wherever it stands: a window pane or a cupboard before the wall is not the
-    wall.
+    wall. So what bounds no room and covers less than half of a face is the face in its surface
+    only. The leaf of a shut door or a pane in the wall's depth (``panes.py``) is not the wall
+    either, whatever the match says; and where a face is virtual there is none.
 
     Args:
         online: in the map frame.
         prior: the plan.
         placement: map to building.
         storeys: online storey -> planned storey; a plane of an unknown one is left alone.
-        matched: pairs of the match; they stay.
+        matched: pairs of the match; they stay, but for panes.
         config: how near is near.
     """
     floors, own = _floors(prior), _floors(online)
@@ -59,16 +63,23 @@ def associate_planes(
         for storey in floors.get(face.id, {None}):
             by_storey.setdefault(storey, []).append(face)
     only = set(storeys.values())
+
     options: list[Option] = []
     for plane in online.planes:
         levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}
         faces = [f for level in levels or only for f in by_storey.get(level, [])]
         if levels or len(only) == 1:
             options += _options(plane, faces, plane.id in own, placement, config)
-    pairs = {(k, v) for k, v in matched.items() if k in online.plane_by_id}
+    pairs = {
+        (k, v)
+        for k, v in matched.items()
+        if k in online.plane_by_id and _is_wall(k, v, online, prior, placement, config)
+    }
     surface = {taken: 0.0 for _, taken in pairs}
     surface |= {o.face: o.offset for o in options if (o.name, o.face) in pairs}
     for o in sorted(options):
+        if not _is_wall(o.name, o.face, online, prior, placement, config):
+            continue
         if abs(o.offset - surface.setdefault(o.face, o.offset)) <= config.same_surface:
             pairs.add((o.name, o.face))
     return tuple(sorted(pairs))
@@ -131,15 +142,49 @@ def _options(
         half = 0.5 * (planned[1] - planned[0])
         if common < min(config.least_overlap, half):
             continue
-        beside = _ends(face) @ normal + offset
+        beside = _common(face, along, seen) @ normal + offset
         away = float(np.mean(np.abs(beside)))
-        if away <= config.same_offset:
-            yield Option(common < half, not bounds, away, plane.id, face.id, float(np.mean(beside)))
+        short = common < half
+        if away <= (config.same_surface if short and not bounds else config.same_offset):
+            yield Option(short, not bounds, away, plane.id, face.id, float(np.mean(beside)))
 
 
-def _ends(face: Plane) -> Array:
-    ends: tuple[Vec2, Vec2] = face.extent or ((0.0, 0.0), (0.0, 0.0))
-    return np.asarray(ends, dtype=float)
+def _is_wall(
+    name: str,
+    face: str,
+    online: SceneGraph,
+    prior: SceneGraph,
+    placement: Placement,
+    config: CouplingConfig,
+) -> bool:
+    """Whether a plane can be the wall of a planned face: there is one, and it is no pane in it."""
+    plane, planned = online.plane_by_id[name], prior.plane_by_id[face]
+    if planned.virtual or planned.extent is None:
+        return not planned.virtual
+    n, d = _line(plane)
+    normal = placement.vectors(n)
+    offset = d - float(normal @ np.array([placement.x, placement.y]))
+    along = along_of(planned)
+    span = stretch(plane, along, placement)
+    if span is None:
+        return True
+    behind = float(np.mean(_common(planned, along, span) @ normal + offset))
+    if behind <= config.told_offset:
+        return True
+    bounds = bool(online.rooms_by_plane.get(name))
+    return not is_pane(span, behind, planned, prior, bounds)
+
+
+def _common(face: Plane, along: Array, span: tuple[float, float]) -> Array:
+    """The ends (2, 2) of the part of a face between two places along it.
+
+    A plane askew to a face is as far from it as it is where it was seen.
+    """
+    ends = np.asarray(face.extent, dtype=float)
+    a, b = ends @ along
+    places = np.clip(span, min(a, b), max(a, b))
+    out: Array = ends[0] + ((places - a) / (b - a))[:, None] * (ends[1] - ends[0])
+    return out
 
 
 def _line(plane: Plane) -> tuple[Array, float]:

@@ -11,7 +11,8 @@ import numpy as np
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import WallEstimate
 from situgraph.coupling.deviation import Deviation, along_of, names_of
-from situgraph.coupling.openings import OPENINGS, differing_openings, reach
+from situgraph.coupling.openings import differing_openings
+from situgraph.coupling.panes import opened
 from situgraph.coupling.walls import stretch
 from situgraph.scenegraph.graph import Object, Plane, SceneGraph
 
@@ -20,7 +21,6 @@ ALIKE = math.radians(20.0)  # faces that differ less may be one that was built a
 HALF = 0.5  # a face is missing when at least this share of it is open
 LEAF = 1.3  # m; no open door leaf with its jamb is longer
 LEAF_GAP = 0.5  # m; two in one line are at least so far apart
-SILL = 0.3  # m; below an opening that begins no higher no wall is seen
 
 
 def find_deviations(
@@ -67,7 +67,7 @@ def _moved_walls(
     for name, (_, wall) in sorted(best.items()):
         told = max(config.told_offset, config.told_sigmas * wall.offset_sigma)
         face = prior.plane_by_id[name]
-        if abs(wall.offset) <= told or _in_openings(seen.plane_by_id[wall.online], wall, prior):
+        if abs(wall.offset) <= told:
             continue
         of = prior.rooms_by_plane.get(name, ())
         where = "into" if wall.offset > 0 else "away from"
@@ -86,46 +86,6 @@ def _moved_walls(
             wall.tilt_sigma,
             _element(face),
         )
-
-
-def _in_openings(plane: Plane, wall: WallEstimate, prior: SceneGraph) -> bool:
-    """Whether a plane behind a planned face is rather that of shut doors and panes in it.
-
-    Where most of what was seen is planned as openings down to the floor, leaves and panes were
-    seen, which stand in the depth of the wall.
-    """
-    face = prior.plane_by_id[wall.prior]
-    span, normal = stretch(plane, along_of(face)), np.asarray(face.normal)
-    if span is None or wall.offset > 0.0:
-        return False
-    depths = [abs(float(normal @ o.center) + face.offset) for o in _to_the_floor(face, prior)]
-    within = -2.0 * max(depths, default=0.0) <= wall.offset
-    return within and _opened(face, span, prior) >= HALF * (span[1] - span[0])
-
-
-def _opened(face: Plane, span: tuple[float, float], prior: SceneGraph) -> float:
-    """Metres of a face between two places along it where no wall was planned, only openings."""
-    along, total = along_of(face), 0.0
-    for item in _to_the_floor(face, prior):
-        at = float(along @ item.center[:2])
-        half = 0.0 if item.ellipsoid is None else reach(item.ellipsoid, along)
-        total += max(min(at + half, span[1]) - max(at - half, span[0]), 0.0)
-    return total
-
-
-def _to_the_floor(face: Plane, prior: SceneGraph) -> list[Object]:
-    """The planned doors in a face, and the windows that reach down to the floor."""
-    openings = [o for o in prior.objects_by_plane.get(face.id, ()) if o.category in OPENINGS]
-    return [o for o in openings if o.category == "door" or _sill(o, prior) <= SILL]
-
-
-def _sill(item: Object, prior: SceneGraph) -> float:
-    """How high (m) over the floor an opening begins; infinite where no storey tells."""
-    storeys = [prior.room_by_id[r].storey for r in item.rooms]
-    floors = [prior.storey_by_id[s].elevation for s in storeys if s is not None]
-    if item.ellipsoid is None or not floors:
-        return math.inf
-    return item.center[2] - item.ellipsoid.axes[2] - max(floors)
 
 
 def _common(plane: Plane, face: Plane) -> float:
@@ -160,7 +120,7 @@ def _missing_walls(
             ends = np.asarray(face.extent, dtype=float)
             length = float(np.linalg.norm(ends[1] - ends[0]))
             low, high = sorted((ends @ along_of(face)).tolist())
-            if length - _opened(face, (low, high), prior) < config.told_length:
+            if length - opened(face, (low, high), prior) < config.told_length:
                 continue  # short, or hardly more than the doors in it
             n = np.asarray(face.normal[:2]) / np.linalg.norm(face.normal[:2])
             beyond = shapely.LineString(ends - config.seen_beyond * n)

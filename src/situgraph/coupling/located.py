@@ -18,7 +18,8 @@ from situgraph.coupling.deviation import Deviation, along_of
 from situgraph.coupling.deviations import find_deviations
 from situgraph.coupling.evidence import Evidence, from_scene
 from situgraph.coupling.lines import WallLines
-from situgraph.coupling.openings import Missed, reach
+from situgraph.coupling.openings import Missed
+from situgraph.coupling.panes import reach
 from situgraph.coupling.readings import Reading, readings
 from situgraph.coupling.trajectory import Carrier
 from situgraph.coupling.walls import walls

@@ -10,12 +10,11 @@ import numpy as np
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import WallEstimate
 from situgraph.coupling.deviation import Deviation, Kind, along_of, names_of
+from situgraph.coupling.panes import OPENINGS, reach
 from situgraph.coupling.walls import stretch
-from situgraph.geometry.ellipsoids import shape_matrix
 from situgraph.geometry.poses import Array
-from situgraph.scenegraph.graph import Ellipsoid, Object, Plane, SceneGraph
+from situgraph.scenegraph.graph import Object, Plane, SceneGraph
 
-OPENINGS = ("door", "window")  # what a wall has, and what detectors are made for
 # (category, place (3,), normal (3,) of its wall, half of its width in m) -> how many images show
 # the place and no trace of such a thing; all in the map frame.
 Missed = Callable[[str, Array, Array, float], int]
@@ -88,12 +87,6 @@ def _shift(seen: Object, planned: Object, along: Array) -> float:
         return apart
     wider = abs(reach(seen.ellipsoid, along) - reach(planned.ellipsoid, along))
     return math.copysign(max(abs(apart) - wider, 0.0), apart)
-
-
-def reach(ellipsoid: Ellipsoid, along: Array) -> float:
-    """How far (m) an ellipsoid reaches from its middle along a direction (2,) of the plan."""
-    shape = shape_matrix(ellipsoid.axes, ellipsoid.rotation)
-    return math.sqrt(float(along @ shape[:2, :2] @ along))
 
 
 def _missed(
