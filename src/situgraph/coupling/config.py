@@ -29,6 +29,13 @@ class CouplingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         float,
         setting("How exactly a face lies in its frame", "m and rad", _CHOICE, gt=0, le=0.1),
     ] = 0.001
+    plan_digit: Annotated[
+        float, setting("Plans are drawn to this", "m", "millimetres", ge=0, le=0.1)
+    ] = 0.001
+    fit_bias: Annotated[
+        float,
+        setting("Error of a fitted face that does not average out", "m", _CHOICE, ge=0, le=0.1),
+    ] = 0.0005
     level_sigma: Annotated[
         float, setting("Roll and pitch of the building in the map", "rad", _FACTS, gt=0, le=0.5)
     ] = 0.003

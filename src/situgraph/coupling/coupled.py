@@ -21,6 +21,7 @@ import numpy as np
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.evidence import Evidence
 from situgraph.coupling.problem import Problem, anchor_of
+from situgraph.coupling.residuals import scales
 from situgraph.coupling.start import settled
 from situgraph.coupling.walls import Wall, grouped
 from situgraph.geometry.poses import Array, Placement
@@ -33,7 +34,8 @@ class WallEstimate:
     """How a face stands against its plan.
 
     ``offset`` (m) is positive along the planned inward normal, ``tilt`` (rad) its turn in the plan;
-    each with its standard deviation. ``place`` (3,) is where on the planned face, building frame.
+    each with its standard deviation (docs/coupling.md says of what). ``place`` (3,) is where on the
+    planned face, building frame.
     """
 
     online: str
@@ -56,11 +58,16 @@ class Coupled:
     """
 
     def __init__(
-        self, problem: Problem, values: Any, evidence: Evidence, anchor: Array, start: float
+        self,
+        problem: Problem,
+        values: Any,
+        anchor: Array,
+        config: CouplingConfig,
+        start: float,
     ) -> None:
         """Read the solution ``values``; ``start`` is when the work began."""
-        self._problem = problem
-        self._values = values
+        self._problem, self._values, self._config = problem, values, config
+        evidence = problem.evidence
         building = values.atPose3(problem.building).matrix()  # the anchor in the map
         self.building_T_map: Array = anchor @ np.linalg.inv(building)
         move = self.building_T_map
@@ -81,12 +88,12 @@ class Coupled:
     @cached_property
     def walls(self) -> tuple[WallEstimate, ...]:
         """The matched faces."""
-        return _estimates(self._problem, self._values)
+        return _estimates(self._problem, self._values, self._config)
 
     @cached_property
     def rms(self) -> float:
         """Of the offsets (m) of the matched faces that are where they were planned."""
-        near = [w.offset for w in self.walls if abs(w.offset) <= self._problem.told]
+        near = [w.offset for w in self.walls if abs(w.offset) <= self._config.told_offset]
         return math.sqrt(sum(d * d for d in near) / len(near)) if near else 0.0
 
 
@@ -118,15 +125,16 @@ def couple(
     values = gtsam.LevenbergMarquardtOptimizer(
         problem.factors, problem.values, parameters
     ).optimize()
-    return Coupled(problem, values, evidence, anchor, start)
+    return Coupled(problem, values, anchor, config, start)
 
 
-def _estimates(problem: Problem, values: Any) -> tuple[WallEstimate, ...]:
+def _estimates(problem: Problem, values: Any, config: CouplingConfig) -> tuple[WallEstimate, ...]:
     """Deviation of each face and its spread, from the joint marginal with the building."""
     if not problem.known:
         return ()
     gtsam = problem.gtsam
-    marginals = gtsam.Marginals(problem.factors, values)
+    seen = scales(problem, values, config)
+    marginals = gtsam.Marginals(problem.weighed(seen), values)
     building = values.atPose3(problem.building)
     found = []
     for wall, key in problem.known:
@@ -137,7 +145,8 @@ def _estimates(problem: Problem, values: Any) -> tuple[WallEstimate, ...]:
         keys.append(key)
         joint = marginals.jointMarginalCovariance(keys)
         spread = slope @ _stacked(joint, problem.building, key) @ slope.T
-        sigma = np.sqrt(np.maximum(np.diag(spread), 0.0))
+        variance = seen.map**2 * np.maximum(np.diag(spread), 0.0)
+        sigma = np.sqrt(variance + _beyond(wall, config))
         x, y, z = wall.frame[:3, 3].tolist()
         found.append(
             WallEstimate(
@@ -151,6 +160,15 @@ def _estimates(problem: Problem, values: Any) -> tuple[WallEstimate, ...]:
             )
         )
     return tuple(found)
+
+
+def _beyond(wall: Wall, config: CouplingConfig) -> Array:
+    """Variances (2,) of offset and turn that no number of sightings makes smaller.
+
+    The plan is rounded, and the fit of a line is off by about as much at one end as at the other.
+    """
+    offset = config.plan_digit**2 / 12.0 + config.fit_bias**2
+    return np.array([offset, 12.0 * config.fit_bias**2 / wall.length**2])
 
 
 def deviation(building: Any, plane: Any, planned: Array) -> tuple[tuple[float, float], Array]:

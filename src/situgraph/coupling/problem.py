@@ -9,6 +9,7 @@ import numpy as np
 
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.evidence import Evidence
+from situgraph.coupling.residuals import Scales
 from situgraph.coupling.walls import Wall, grouped
 from situgraph.geometry.poses import Array, Placement
 
@@ -16,7 +17,14 @@ FREE = 1e3  # m or rad: no information
 
 
 class Problem:
-    """The factors of both graphs, and where the estimate starts."""
+    """The factors of both graphs, and where the estimate starts.
+
+    Attributes:
+        evidence: the factors of the S-Graph.
+        between: the factors that hold each wall and face in its place.
+        factors: all of them.
+        values: the start.
+    """
 
     def __init__(
         self,
@@ -29,9 +37,9 @@ class Problem:
     ) -> None:
         noise = gtsam.noiseModel
         self.gtsam = gtsam
+        self.evidence, self.between = evidence, list[Any]()
         self.known = [(wall, evidence.planes[wall.online]) for wall in walls]
-        self.told = config.told_offset
-        self._count = 0
+        self._count, self._slots = 0, list[int]()
         self.anchor = anchor
         self.factors = gtsam.NonlinearFactorGraph(evidence.factors)
         self.values = gtsam.Values(evidence.values)
@@ -44,10 +52,8 @@ class Problem:
         self.factors.push_back(
             gtsam.PriorFactorPose3(self.building, gtsam.Pose3(first), noise.Diagonal.Sigmas(level))
         )
-        kernel = noise.mEstimator.Cauchy.Create(1.0)
-        built = np.array([config.built_angle] * 3 + [config.built_offset] * 3)
-        robust = noise.Robust.Create(kernel, noise.Diagonal.Sigmas(built))
-        self._robust, self._on = robust, noise.Isotropic.Sigma(3, config.wall_sigma)
+        self._robust = self._built(Scales(1.0, config.built_offset, config.built_angle))
+        self._on = noise.Isotropic.Sigma(3, config.wall_sigma)
         self._first, self._from_anchor = first, _inverse(anchor)
         for number, wall in enumerate(grouped(walls)):
             if len(wall) == 1:
@@ -60,6 +66,27 @@ class Problem:
             self._frame(key, first @ place @ moved, self.building, place)
             for face in wall:
                 self._face(key, _inverse(planned), evidence, face)
+
+    def weighed(self, scales: Scales) -> Any:
+        """The factors with the plan weighed against the map as ``scales`` say.
+
+        Those of the map keep what they state: standard deviations by these factors are in units of
+        ``scales.map``.
+        """
+        gtsam = self.gtsam
+        factors = gtsam.NonlinearFactorGraph(self.factors)
+        for slot, factor in zip(self._slots, self.between):
+            a, b = factor.keys()
+            model = self._built(scales)
+            factors.replace(slot, gtsam.BetweenFactorPose3(a, b, factor.measured(), model))
+        return factors
+
+    def _built(self, scales: Scales) -> Any:
+        """The noise of how walls are built, in units of the map's."""
+        noise = self.gtsam.noiseModel
+        sigmas = np.array([scales.angle] * 3 + [scales.offset] * 3) / scales.map
+        kernel = noise.mEstimator.Cauchy.Create(scales.map)
+        return noise.Robust.Create(kernel, noise.Diagonal.Sigmas(sigmas))
 
     def _shift(self, evidence: Evidence, face: Wall) -> float:
         """How far (m) a face lies from its plan by the first guess, along its normal."""
@@ -88,6 +115,8 @@ class Problem:
         gtsam = self.gtsam
         self.values.insert(key, gtsam.Pose3(guess))
         between = gtsam.BetweenFactorPose3(parent, key, gtsam.Pose3(planned), self._robust)
+        self._slots.append(self.factors.size())
+        self.between.append(between)
         self.factors.push_back(between)
 
 

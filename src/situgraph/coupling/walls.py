@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -12,6 +13,8 @@ from situgraph.coupling.lines import WallLines
 from situgraph.geometry.poses import Array, Placement
 from situgraph.scenegraph.graph import Plane, SceneGraph
 
+SHORTEST = 0.1  # m; no face is seen over less
+
 
 @dataclass(frozen=True, eq=False)
 class Wall:
@@ -20,13 +23,15 @@ class Wall:
     ``frame`` (4, 4) stands in the building on the planned face where it was seen: x along its
     normal into the room, z up. The deviation of the face as built is a motion in this frame: its
     shift along x and its turn about z can be seen in the face, the rest cannot. ``line`` is the
-    wall of the plan that the face belongs to (``WallLines``).
+    wall of the plan that the face belongs to (``WallLines``); ``length`` (m) is how much of it was
+    seen, infinite where that is not known.
     """
 
     online: str
     prior: str
     frame: Array
     line: str
+    length: float = math.inf
 
 
 def walls(
@@ -42,8 +47,8 @@ def walls(
         seen, face = online.plane_by_id.get(name), prior.plane_by_id.get(planned)
         if seen is not None and face is not None:
             height = float(placement.points(place_of(online, seen))[2])
-            place = _middle(seen, face, prior, placement, height)
-            found.append(Wall(name, planned, _frame(face, place), lines.of(planned)))
+            place, length = _middle(seen, face, prior, placement, height)
+            found.append(Wall(name, planned, _frame(face, place), lines.of(planned), length))
     return tuple(found)
 
 
@@ -76,20 +81,21 @@ def stretch(
 
 def _middle(
     seen: Plane, face: Plane, prior: SceneGraph, placement: Placement, height: float
-) -> Array:
-    """The middle (3,) of the stretch that was planned and seen, on the planned face."""
+) -> tuple[Array, float]:
+    """The middle (3,) of the stretch that was planned and seen, on the planned face; its length."""
     n = _unit(face)
     along = np.array([-n[1], n[0]])
     planned, found = stretch(face, along), stretch(seen, along, placement)
-    place = place_of(prior, face)
+    place, length = place_of(prior, face), math.inf
     if found is not None:
         low, high = found
         if planned is not None and min(high, planned[1]) > max(low, planned[0]):
             low, high = max(low, planned[0]), min(high, planned[1])
+        length = max(high - low, SHORTEST)
         place[:2] += ((low + high) / 2 - place[:2] @ along) * along
     place[2] = height
     place -= (n @ place + face.offset) * n
-    return place
+    return place, length
 
 
 def _unit(face: Plane) -> Array:
