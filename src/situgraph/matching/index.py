@@ -15,7 +15,7 @@ from situgraph.matching.blocks import Block
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Stock, stock_of
 from situgraph.matching.corners import MOST_PLANES, corners_of
-from situgraph.matching.ground import BITS, REACH
+from situgraph.matching.maps import BITS, REACH
 from situgraph.matching.plain import QUARTER, plain_rooms, widths_of
 from situgraph.matching.reading import Constants, Rooms, plan_lines, read_rooms, storey_heights
 from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of

@@ -20,7 +20,7 @@ import numpy as np
 
 from situgraph.matching.boxes import HU, HV, PX, PY, TURN, YAW
 from situgraph.matching.compiled import part
-from situgraph.matching.ground import (
+from situgraph.matching.maps import (
     BITS,
     REACH,
     Canvas,
