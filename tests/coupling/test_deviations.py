@@ -12,12 +12,14 @@ from tests.coupling.plans import MAP, PRIOR, all_pairs, seen
 
 from situgraph.coupling.association import associate_planes
 from situgraph.coupling.config import CouplingConfig
+from situgraph.coupling.lines import WallLines
 from situgraph.coupling.located import Located, locate
 from situgraph.coupling.openings import Missed
 from situgraph.scenegraph.graph import Ellipsoid, Object, Plane, SceneGraph
 from situgraph.scenegraph.transform import transformed
 
 CONFIG = CouplingConfig(plane_sigma=0.01, plane_angle_sigma=0.003)
+LINES = WallLines(PRIOR)
 
 
 def located(online: SceneGraph, prior: SceneGraph = PRIOR, missed: Missed | None = None) -> Located:
@@ -70,6 +72,61 @@ def test_a_door_that_was_seen_too_seldom_is_not_extra() -> None:
             msgspec.structs.replace(o, attributes={"seen": often}) for o in online.objects
         )
         assert bool(located(online.replace(objects=objects), prior).deviations) is told
+
+
+@pytest.mark.parametrize(("confidence", "told"), [(0.75, False), (0.85, True), (None, True)])
+@pytest.mark.parametrize("kind", ["extra-object", "moved-object"])
+def test_a_door_that_was_seen_unsurely_is_not_told(
+    kind: str, confidence: float | None, told: bool
+) -> None:
+    """A detector takes a piece of wall for a door in three of four images."""
+    online, prior, shift = seen(PRIOR), PRIOR, np.zeros(3)
+    if kind == "extra-object":
+        prior = PRIOR.replace(objects=tuple(o for o in PRIOR.objects if o.id != "o3"))
+    else:
+        shift = MAP.inverse().vectors([0.0, 0.7, 0.0])
+    objects = tuple(
+        msgspec.structs.replace(
+            o, confidence=confidence, center=tuple((np.array(o.center) + shift).tolist())
+        )
+        if o.id == "o3"
+        else o
+        for o in online.objects
+    )
+    found = located(online.replace(objects=objects), prior).deviations
+    assert [d.kind for d in found] == [kind] * told
+
+
+def test_the_door_at_the_place_is_the_planned_one_whatever_the_match_says() -> None:
+    online = seen(PRIOR)
+    door = online.object_by_id["o3"]
+    shift = MAP.inverse().vectors([0.0, 0.7, 0.0])
+    beside = msgspec.structs.replace(
+        door, id="beside", center=tuple((np.array(door.center) + shift).tolist()), confidence=0.6
+    )
+    both = online.replace(objects=(*online.objects, beside))
+    pairs = all_pairs(online)
+    wrong = type(pairs)(
+        pairs.placement, pairs.rooms, pairs.planes,
+        {k: v for k, v in pairs.objects.items() if k != "o3"} | {"beside": "o3"}, pairs.storeys,
+    )  # fmt: skip
+    assert locate(both, PRIOR, wrong, config=CONFIG).deviations == ()
+
+
+def test_a_door_of_the_next_face_in_a_wall_is_the_planned_one() -> None:
+    """Seen beyond the end of a face in one line with its own, which was not seen."""
+    door = next(o for o in PRIOR.objects if o.category == "door")
+    (mine, *_) = door.planes
+    line = [p for p in PRIOR.planes if LINES.of(p.id) == LINES.of(mine) and p.id not in door.planes]
+    other = line[0].id
+    online = seen(PRIOR)
+    objects = tuple(
+        msgspec.structs.replace(o, planes=(other,)) if o.id == door.id else o
+        for o in online.objects
+    )
+    pairs = all_pairs(online)
+    less = type(pairs)(pairs.placement, pairs.rooms, pairs.planes, {}, pairs.storeys)
+    assert locate(online.replace(objects=objects), PRIOR, less, config=CONFIG).deviations == ()
 
 
 @pytest.mark.parametrize(("narrow", "by", "told"), [(0.5, 0.5, False), (0.5, 0.9, True)])
@@ -206,6 +263,23 @@ def test_a_wall_that_was_not_planned_is_told(length: float | None, told: bool) -
         new = msgspec.structs.replace(new, attributes={"length": length})
     found = located(online.replace(rooms=rooms, planes=(*online.planes, new))).deviations
     assert [(d.kind, d.online, d.rooms) for d in found] == [("extra-wall", "new", ("r1",))] * told
+
+
+@pytest.mark.parametrize(("length", "told"), [(1.0, False), (1.6, True)])
+def test_the_open_leaf_of_a_planned_door_is_no_wall(length: float, told: bool) -> None:
+    """It hangs at the side of the door between rooms 1 and 4, which lies along y."""
+    online, door = seen(PRIOR), PRIOR.object_by_id["o3"]
+    x, y = door.center[0] - 0.1, door.center[1] - door.ellipsoid.axes[0]
+    ends = ((x, y), (x - length, y - 0.1 * length))
+    n = np.array([-0.1, 1.0]) / math.hypot(0.1, 1.0)
+    leaf = Plane("leaf", (*n.tolist(), 0.0), -float(n @ (x, y)), ends)
+    leaf = transformed(SceneGraph(planes=(leaf,)), MAP.inverse()).planes[0]
+    rooms = tuple(
+        msgspec.structs.replace(r, planes=(*r.planes, "leaf")) if r.id == "r1" else r
+        for r in online.rooms
+    )
+    found = located(online.replace(rooms=rooms, planes=(*online.planes, leaf))).deviations
+    assert [(d.kind, d.online) for d in found] == [("extra-wall", "leaf")] * told
 
 
 def test_later_rooms_and_walls_are_associated_by_their_place() -> None:

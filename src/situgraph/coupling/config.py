@@ -116,6 +116,12 @@ class CouplingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     least_sightings: Annotated[
         int, setting("Keyframes that saw a face or object before it is extra", "1", _CHOICE, ge=1)
     ] = 3
+    told_confidence: Annotated[
+        float,
+        setting(
+            "Nor an object that was seen less surely, as extra or moved", "1", _CHOICE, ge=0, le=1
+        ),
+    ] = 0.8
     same_object: Annotated[
         float,
         setting("Objects of a category on one wall this near are one", "m", _CHOICE, gt=0, le=5),

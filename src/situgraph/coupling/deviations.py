@@ -11,15 +11,18 @@ import numpy as np
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import WallEstimate
 from situgraph.coupling.deviation import Deviation, along_of, names_of
+from situgraph.coupling.lines import WallLines
 from situgraph.coupling.openings import differing_openings
-from situgraph.coupling.panes import opened
+from situgraph.coupling.panes import opened, reach
 from situgraph.coupling.walls import stretch
+from situgraph.geometry.poses import Array
 from situgraph.scenegraph.graph import Object, Plane, SceneGraph
 
 INSIDE = 0.3  # m; a face this far inside a planned room is no wall of it
 ALIKE = math.radians(20.0)  # faces that differ less may be one that was built askew
 HALF = 0.5  # a face is missing when at least this share of it is open
 LEAF = 1.3  # m; no open door leaf with its jamb is longer
+HINGE = 0.3  # m; from the side of a door to the end of its leaf's face, and what a leaf is longer
 LEAF_GAP = 0.5  # m; two in one line are at least so far apart
 
 
@@ -31,6 +34,7 @@ def find_deviations(
     objects: Mapping[str, str],
     looked_for: Collection[str] | None,
     missed: Callable[[Object, Plane], int] | None,
+    lines: WallLines,
     config: CouplingConfig,
 ) -> tuple[Deviation, ...]:
     """All that differs, walls first.
@@ -43,6 +47,7 @@ def find_deviations(
         objects: online object -> planned object, as matched.
         looked_for: categories the robot would have seen; None: those that ``seen`` has.
         missed: how many images should have shown a planned opening in its wall; None: enough.
+        lines: the walls of the plan.
         config: what is worth telling.
     """
     able = (seen.categories if looked_for is None else set(looked_for)) & prior.modelled
@@ -50,7 +55,7 @@ def find_deviations(
         *_moved_walls(seen, prior, walls, config),
         *_missing_walls(seen, prior, walls, rooms, config),
         *_extra_walls(seen, prior, walls, rooms, config),
-        *differing_openings(seen, prior, walls, rooms, objects, able, missed, config),
+        *differing_openings(seen, prior, walls, rooms, objects, able, missed, lines, config),
     )
 
 
@@ -169,6 +174,8 @@ def _extra_walls(
                 continue
             if _near_planned(plane, prior, room.planes, config.told_extra):
                 continue
+            if _is_leaf(ends, prior.objects_by_room.get(room.id, ()), prior):
+                continue
             x, y = ends.mean(axis=0).tolist()
             yield Deviation(
                 "extra-wall",
@@ -185,6 +192,21 @@ def _two_leaves(plane: Plane, length: float) -> bool:
     """Whether a face may be the open leaves of two doors across from each other, in one line."""
     seen = plane.attributes.get("length", length)
     return isinstance(seen, int | float) and seen < min(length - LEAF_GAP, 2.0 * LEAF)
+
+
+def _is_leaf(ends: Array, objects: Sequence[Object], prior: SceneGraph) -> bool:
+    """Whether a face may be the open leaf of a planned door: hung at its side, and no wider."""
+    for door in objects:
+        if door.category != "door" or door.ellipsoid is None or not door.planes:
+            continue
+        along = along_of(prior.plane_by_id[door.planes[0]])
+        half = reach(door.ellipsoid, along)
+        hinges = np.asarray(door.center[:2]) + np.outer((-half, half), along)
+        away = np.linalg.norm(ends[:, None] - hinges[None], axis=2).min()
+        length = float(np.linalg.norm(ends[1] - ends[0]))
+        if away <= HINGE and length <= 2.0 * half + HINGE:
+            return True
+    return False
 
 
 def _near_planned(plane: Plane, prior: SceneGraph, faces: Sequence[str], distance: float) -> bool:

@@ -61,6 +61,7 @@ class Located:
         looked_for: Collection[str] | None,
         missed: Missed | None,
         found: tuple[Reading, ...],
+        lines: WallLines,
         config: CouplingConfig,
     ) -> None:
         """``planes`` as associated; ``looked_for`` and ``missed``: see ``locate``."""
@@ -70,6 +71,7 @@ class Located:
         self.carrier = Carrier(online.keyframes, coupled.frames, coupled.building_T_map)
         self._online, self._prior, self._pairs = online, prior, pairs
         self._looked_for, self._missed, self._config = looked_for, missed, config
+        self._lines = lines
 
     @property
     def placement(self) -> Placement:
@@ -92,6 +94,7 @@ class Located:
             self._pairs.objects,
             self._looked_for,
             None if self._missed is None else self._images_without,
+            self._lines,
             self._config,
         )
 
@@ -192,7 +195,9 @@ def locate(
         coupled = couple(known, walls(online, prior, planes, placement, lines), placement, settings)
     rooms = associate_rooms(online, prior, placement, pairs.storeys, pairs.rooms, settings)
     final = Pairs(placement, rooms, pairs.planes, pairs.objects, pairs.storeys)
-    return Located(online, prior, coupled, final, planes, looked_for, missed, found, settings)
+    return Located(
+        online, prior, coupled, final, planes, looked_for, missed, found, lines, settings
+    )
 
 
 def _carried(online: SceneGraph, coupled: Coupled, carrier: Carrier) -> SceneGraph:

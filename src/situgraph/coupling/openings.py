@@ -10,6 +10,7 @@ import numpy as np
 from situgraph.coupling.config import CouplingConfig
 from situgraph.coupling.coupled import WallEstimate
 from situgraph.coupling.deviation import Deviation, Kind, along_of, names_of
+from situgraph.coupling.lines import WallLines
 from situgraph.coupling.panes import OPENINGS, reach
 from situgraph.coupling.walls import stretch
 from situgraph.geometry.poses import Array
@@ -28,18 +29,20 @@ def differing_openings(
     objects: Mapping[str, str],
     looked_for: Collection[str],
     missed: Callable[[Object, Plane], int] | None,
+    lines: WallLines,
     config: CouplingConfig,
 ) -> Iterable[Deviation]:
     """Doors and windows on faces that were seen: moved along them, missing, extra.
 
-    ``missed`` counts the images that should have shown one in its wall; None: all did.
+    ``missed`` counts the images that should have shown one in its wall; None: all did. ``lines``
+    are the walls of the plan.
     """
     able = set(looked_for) & set(OPENINGS)
     faces: dict[str, list[str]] = {}
     for wall in walls:
         faces.setdefault(wall.prior, []).append(wall.online)
     told: set[str] = set()
-    pairs = _paired(seen, prior, walls, objects, config)
+    pairs = _paired(seen, prior, walls, objects, lines, config)
     for item in prior.objects:
         hosts = [p for p in item.planes if p in faces]
         if item.category not in able or not hosts:
@@ -49,7 +52,7 @@ def differing_openings(
         if partner is not None:
             told.add(partner)
             shift = _shift(seen.object_by_id[partner], item, along)
-            if abs(shift) > config.moved_object:
+            if abs(shift) > config.moved_object and _sure(seen.object_by_id[partner], config):
                 what = f"stands {abs(shift):.2f} m from its planned place"
                 yield _about("moved-object", item, prior, what, online=partner, offset=shift)
         elif (
@@ -61,9 +64,8 @@ def differing_openings(
     planned = {w.online for w in walls}
     for item in seen.objects:
         host = next((p for p in item.planes if p in planned), None)
-        sightings = item.attributes.get("seen", config.least_sightings)
-        seldom = isinstance(sightings, int) and sightings < config.least_sightings
-        if item.category not in able or host is None or item.id in pairs or seldom:
+        known = item.id in pairs or not _sure(item, config)
+        if item.category not in able or host is None or known:
             continue
         of = tuple(dict.fromkeys(rooms[r] for r in item.rooms if r in rooms))
         yield Deviation(
@@ -75,6 +77,17 @@ def differing_openings(
             prior=None,
             rooms=of,
         )
+
+
+def _sure(item: Object, config: CouplingConfig) -> bool:
+    """Whether an opening was seen well enough to be told where none was planned.
+
+    What the robot passed has no confidence to be measured, or the full one.
+    """
+    sightings = item.attributes.get("seen", config.least_sightings)
+    seldom = isinstance(sightings, int) and sightings < config.least_sightings
+    confident = item.confidence is None or item.confidence >= config.told_confidence
+    return confident and not seldom
 
 
 def _shift(seen: Object, planned: Object, along: Array) -> float:
@@ -103,26 +116,32 @@ def _paired(
     prior: SceneGraph,
     walls: Sequence[WallEstimate],
     objects: Mapping[str, str],
+    lines: WallLines,
     config: CouplingConfig,
 ) -> dict[str, str]:
-    """Openings seen and planned that are one: as matched, else the nearest on the same face."""
-    pairs = {o: p for o, p in objects.items() if o in seen.object_by_id and p in prior.object_by_id}
-    faces_of: dict[str, set[str]] = {}
+    """Openings seen and planned that are one: the nearest on the same wall, else as matched.
+
+    The wall, not the face: a door at the end of what was seen of one face may be in the next.
+    """
+    lines_of: dict[str, set[str]] = {}
     for wall in walls:
-        faces_of.setdefault(wall.online, set()).add(wall.prior)
-    taken = set(pairs.values())
+        lines_of.setdefault(wall.online, set()).add(lines.of(wall.prior))
+    planned: dict[str, list[Object]] = {}
+    for other in prior.objects:
+        for line in sorted({lines.of(p) for p in other.planes}):
+            planned.setdefault(line, []).append(other)
     options = []
     for item in seen.objects:
-        if item.id in pairs:
-            continue
-        for face in sorted(set().union(*(faces_of.get(p, set()) for p in item.planes))):
-            for other in prior.objects_by_plane.get(face, ()):
-                if other.category == item.category and other.id not in taken:
-                    away = float(np.linalg.norm(_flat(item, other)))
-                    if away <= config.same_object:
-                        options.append((away, item.id, other.id))
-    for _, one, two in sorted(options):
-        if one not in pairs and two not in taken:
+        for line in sorted(set().union(*(lines_of.get(p, set()) for p in item.planes))):
+            for other in planned.get(line, ()):
+                away = float(np.linalg.norm(_flat(item, other)))
+                if other.category == item.category and away <= config.same_object:
+                    options.append((away, item.id, other.id))
+    matched = [(o, p) for o, p in objects.items() if o in seen.object_by_id]
+    pairs: dict[str, str] = {}
+    taken: set[str] = set()
+    for one, two in [(a, b) for _, a, b in sorted(options)] + sorted(matched):
+        if one not in pairs and two not in taken and two in prior.object_by_id:
             pairs[one] = two
             taken.add(two)
     return pairs
