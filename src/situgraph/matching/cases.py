@@ -70,6 +70,7 @@ def room_of(seen: Seen, plan: Plan, storeys: int) -> dict[str, int]:
         "like": prior // 64 + 1,
         "words": 4 * rooms * wide * tall,
         "map": 4 * wide * tall,
+        "blocks": (wide // 8 + 1) * (tall // 8 + 1),
         "left": 64 + 16 * wide * tall,
         "sums": SUMS,
         "height": tall + BESIDE,

@@ -13,7 +13,7 @@ import math
 from situgraph.matching.boxes import AX, AY, HU, HV, PX, PY, SIDES, TURN, YAW, radius
 from situgraph.matching.compiled import part
 from situgraph.matching.hypotheses import copy_box, enclose
-from situgraph.matching.plain import CX, CY, HIGH, LOW, SIDE
+from situgraph.matching.plain import CX, CY, HIGH, LOW, farthest
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import HELD, LEFT
@@ -124,14 +124,8 @@ def far_off(case, box):
 def far_room(case, r, a):
     """Whether that is so for all boxes in which plain room ``a`` may explain ``r``."""
     seen, plan, near = case.seen.plain, case.plan.plain, case.found.near
-    mine, its = 0.0, 0.0
-    for k in range(4):
-        if abs(seen[r, SIDE + k]) > mine:
-            mine = abs(seen[r, SIDE + k])
-        if abs(plan[a, SIDE + k]) > its:
-            its = abs(plan[a, SIDE + k])
     arm = math.hypot(case.seen.center[r, 0], case.seen.center[r, 1])
-    sway = 1.5 * (mine + its + 4 * JOINED) + 1.5 * arm * (seen[r, HIGH] - seen[r, LOW])
+    sway = 1.5 * (farthest(case, r, a) + 4 * JOINED) + 1.5 * arm * (seen[r, HIGH] - seen[r, LOW])
     for k in range(case.found.count[HELD]):
         x, y = near[k, 0] - plan[a, CX], near[k, 1] - plan[a, CY]
         reach = near[k, 2] + sway

@@ -178,6 +178,18 @@ def _along(case, r, a, k, quarter, out):
 
 
 @part
+def farthest(case, r, a):
+    """How far apart the centres of plain rooms are along a direction, at most, where walls meet."""
+    mine, its = 0.0, 0.0
+    for k in range(SIDE, SIDE + 4):
+        if abs(case.seen.plain[r, k]) > mine:
+            mine = abs(case.seen.plain[r, k])
+        if abs(case.plan.plain[a, k]) > its:
+            its = abs(case.plan.plain[a, k])
+    return mine + its
+
+
+@part
 def plain_places(case, r, a, quarter):
     """Where ``a`` can explain ``r``, turned by so many quarters; False when it cannot.
 

@@ -45,7 +45,7 @@ from situgraph.matching.nearby import forget_peaks
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.settled import settled_by
-from situgraph.matching.sieve import may_lie, sift, sift_for
+from situgraph.matching.sieve import may_lie, may_lie_by, sift, sift_for
 from situgraph.matching.tables import (
     ANYWHERE,
     HELD,
@@ -161,7 +161,8 @@ def _hypotheses(case, g, r, a):
     plan, found = case.plan, case.found
     box = scratch(SIDES)
     if plain_pair(case, r, a):
-        if found.count[STAGE] != WITHIN or not far_room(case, r, a):
+        near = found.count[STAGE] != WITHIN or not far_room(case, r, a)
+        if near and may_lie_by(case, r, a):
             _plain(case, g, r, a, box)
         return
     pairs, reach = pairs_of(case, r)

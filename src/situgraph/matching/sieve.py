@@ -31,7 +31,7 @@ from situgraph.matching.maps import (
     quarter_at,
     tells,
 )
-from situgraph.matching.plain import QUARTER
+from situgraph.matching.plain import CX, CY, JOINED, QUARTER, farthest
 from situgraph.matching.slack import SLACK
 from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED
 
@@ -286,8 +286,13 @@ def sift_for(case, g):
         return
     for k in range(len(sieve.word)):
         sieve.word[k] = 0
+    for k in range(len(sieve.block)):
+        sieve.block[k] = 0
     wide, tall = plan.cells[0] * BITS, plan.cells[1]
     canvas = Canvas(plan.corner[0], plan.corner[1], plan.corner[2], wide, tall, 0)
+    blocks = Canvas(
+        plan.corner[0], plan.corner[1], plan.corner[2] / 8, wide >> 3, (tall >> 3) + 1, 0
+    )
     count = 0
     for m in range(groups.first[g], groups.first[g + 1]):
         r = groups.member[m]
@@ -312,6 +317,7 @@ def sift_for(case, g):
             if bits & 1:
                 x0, x1 = _inside(x + b - AROUND, wide), _inside(x + b + AROUND, wide)
                 mark_cells(sieve.word, canvas, x0, x1, y0, y1, quarter)
+                mark_cells(sieve.block, blocks, x0 >> 3, x1 >> 3, y0 >> 3, y1 >> 3, 0)
             bits = _right(bits, 1)
             b += 1
 
@@ -356,3 +362,25 @@ def may_lie(case, box):
     quarter = quarter_at(case.ground, box[YAW]) & 3
     begin = quarter * plan.cells[0] * plan.cells[1]
     return is_marked(plan, sieve.word, begin, box[PX], box[PY])
+
+
+@part
+def may_lie_by(case, r, a):
+    """Whether the anchor of the group, ``r``, may lie where ``a`` takes it; both are plain."""
+    sieve, plan = case.sieve, case.plan
+    if not sieve.told[SIFTED] or 2 * max(case.limits.fit, JOINED) > REACH:
+        return True
+    x, y = plan.plain[a, CX] - plan.corner[0], plan.plain[a, CY] - plan.corner[1]
+    reach, scale = 1.5 * farthest(case, r, a), plan.corner[2]
+    x0 = _inside(math.floor((x - reach) * scale), plan.cells[0] * BITS) >> 3
+    x1 = _inside(math.floor((x + reach) * scale), plan.cells[0] * BITS) >> 3
+    y0 = _inside(math.floor((y - reach) * scale), plan.cells[1]) >> 3
+    y1 = _inside(math.floor((y + reach) * scale), plan.cells[1]) >> 3
+    rows = (plan.cells[1] >> 3) + 1
+    for w in range(x0 >> 6, (x1 >> 6) + 1):
+        begin, end = max(x0 - 64 * w, 0), min(x1 - 64 * w, 63)
+        run = ((2 << (end - begin)) - 1) << begin
+        for k in range(w * rows + y0, w * rows + y1 + 1):
+            if sieve.block[k] & run:
+                return True
+    return False

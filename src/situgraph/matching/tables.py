@@ -311,6 +311,7 @@ class Sieve(NamedTuple):
     sums: Annotated[Ints, "sums", "height"]  # cells of a column of words: marks of a room, counts
     left: Annotated[Ints, "left", 4]  # what is left: quarter and yaw, column, row, 64 cells
     word: Annotated[Ints, "map"]  # where the anchor of a group is then, by quarter
+    block: Annotated[Ints, "blocks"]  # in which blocks of 8 x 8 cells that is, at any quarter
     turn: Annotated[Floats, 2]  # yaws from that of the quarter: the lowest, half width of a part
     told: Annotated[Ints, 4]
 
