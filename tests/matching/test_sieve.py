@@ -41,13 +41,13 @@ def drawn(rooms: int) -> tuple[Block, Any]:
 def mark(case: Block, index: PlanIndex, r: int, quarter: int, x: float, y: float) -> None:
     """Mark the cell of a place and those beside it, the nearest of the map for each."""
     wide, tall = index.table.cells.tolist()
-    maps = case.array("ground.word").view(np.uint64).reshape(-1, 4, wide, tall)
+    maps = case.array("ground.word").view(np.uint64).reshape(-1, 2, wide, tall)
     corner = index.table.corner
     column, row = (math.floor((v - o) * corner[2]) for v, o in zip((x, y), corner))
     for c in range(column - 1, column + 2):
         at = min(max(c, 0), 64 * wide - 1)
         low, high = (min(max(v, 0), tall - 1) for v in (row - 1, row + 1))
-        maps[r, quarter, at // 64, low : high + 1] |= np.uint64(1 << (at % 64))
+        maps[r, quarter % 2, at // 64, low : high + 1] |= np.uint64(1 << (at % 64))
 
 
 def left(case: Block) -> set[tuple[int, int, int]]:

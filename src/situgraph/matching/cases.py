@@ -68,7 +68,7 @@ def room_of(seen: Seen, plan: Plan, storeys: int) -> dict[str, int]:
         "waiting": WAITING,
         "sides": SIDES,
         "like": prior // 64 + 1,
-        "words": 4 * rooms * wide * tall,
+        "words": 2 * rooms * wide * tall,
         "map": 4 * wide * tall,
         "blocks": (wide // 8 + 1) * (tall // 8 + 1),
         "left": 64 + 16 * wide * tall,

@@ -1,6 +1,7 @@
-"""The map of a room: the cells of the plan in which its centre may lie, for each quarter turn.
+"""The map of a room: the cells of the plan in which its centre may lie, for two quarter turns.
 
-The maps hold too much, never too little.
+Half a turn takes most rooms nearly onto themselves, so one map holds for both turns. The maps hold
+too much, never too little.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -56,7 +57,7 @@ def draw(case, r):
     """Draw the map of a room."""
     plan, ground = case.plan, case.ground
     storey, slot = case.task.storeys[case.seen.storey[r]], ground.part[0] + r
-    words = 4 * plan.cells[0] * plan.cells[1]
+    words = 2 * plan.cells[0] * plan.cells[1]
     ground.drawn[slot] = 1
     for k in range(slot * words, (slot + 1) * words):
         ground.word[k] = 0
@@ -69,8 +70,8 @@ def draw(case, r):
         kept[k] = along[k >> 2, k & 3]
     by_width = is_plain(case, r)
     if by_width:
-        for half in range(2):
-            _enter_whole(case, r, storey, half, canvas)
+        for odd in range(2):
+            _enter_whole(case, r, storey, odd, canvas)
     for a in range(len(plan.storey)):
         if by_width and whole(case, a):
             continue
@@ -114,41 +115,37 @@ def _enter_whole(case, r, storey, odd, canvas):
         count += int(fits & (w == w) & (plan.storey[a] == storey) & may_be(case, r, a))
     span = scratch(6)
     for k in range(count):
-        a = fitting[k]
-        row = plan.plain[a]
-        yaw = row[BASE] - side[BASE] + (side[LOW] + side[HIGH]) / 2
+        row = plan.plain[fitting[k]]
+        yaw = row[BASE] - side[BASE] + (side[LOW] + side[HIGH]) / 2 + odd * QUARTER
         loose = (side[HIGH] - side[LOW]) / 2 + limits.angle + 2 * SLACK
         first, last = quarter_at(case.ground, yaw - loose), quarter_at(case.ground, yaw + loose)
-        for quarter in range(odd, 4, 2):
-            ux, uy = row[COS], row[SIN]
-            ux, uy = (-uy, ux) if odd else (ux, uy)
-            ux, uy = (-ux, -uy) if quarter > 1 else (ux, uy)
-            _both_spans(case, side, row, quarter, span)
-            wide, tall = (
-                abs(ux) * span[2] + abs(uy) * span[5],
-                abs(uy) * span[2] + abs(ux) * span[5],
-            )
-            for m in range(4):
-                u, v = span[m & 1], span[3 + (m >> 1)]
-                x, y = row[CX] + u * ux - v * uy, row[CY] + u * uy + v * ux
-                _mark(case.ground.word, canvas, x, y, wide, tall, first + quarter, last + quarter)
+        ux, uy = (-row[SIN], row[COS]) if odd else (row[COS], row[SIN])
+        for m in range(2):
+            _span(limits.fit, side, row, m, (m + odd) & 3, span)
+        wide, tall = abs(ux) * span[2] + abs(uy) * span[5], abs(uy) * span[2] + abs(ux) * span[5]
+        for m in range(4):
+            u, v = span[m & 1], span[3 + (m >> 1)]
+            x, y = row[CX] + u * ux - v * uy, row[CY] + u * uy + v * ux
+            _mark(case.ground.word, canvas, x, y, wide, tall, first, last)
 
 
 @part
-def _both_spans(case, side, row, quarter, span):
-    """Where along two directions a room lies: two places and the half width, for each."""
-    for k in range(2):
-        m = (k + quarter) & 3
-        one = side[SIDE + k] - row[SIDE + m]
-        two = row[SIDE + (m ^ 2)] - side[SIDE + k + 2]
-        one = two if one != one else one
-        two = one if two != two else two
-        half = case.limits.fit + SLACK + EXACT * (abs(one) + abs(two))
-        apart, middle = abs(one - two) / 2, (one + two) / 2
-        joined = apart + half <= JOINED
-        span[3 * k] = middle if joined else one
-        span[3 * k + 1] = middle if joined else two
-        span[3 * k + 2] = half + apart if joined else half
+def _span(fit, side, row, k, m, span):
+    """Where a room lies when a wall of it, ``k`` or the opposite one, meets ``m`` or its opposite.
+
+    Two places and the half width, which are those of both half turns.
+    """
+    one, two = side[SIDE + k], side[SIDE + k + 2]
+    one = two if one != one else one
+    two = one if two != two else two
+    middle, off = (one + two) / 2, abs(one - two) / 2
+    one, two = middle - row[SIDE + m], row[SIDE + (m ^ 2)] - middle
+    half = fit + SLACK + EXACT * (abs(one) + abs(two) + off) + off
+    apart = abs(one - two) / 2
+    joined = apart + half <= JOINED
+    span[3 * k] = (one + two) / 2 if joined else one
+    span[3 * k + 1] = (one + two) / 2 if joined else two
+    span[3 * k + 2] = half + apart if joined else half
 
 
 @part
@@ -194,7 +191,7 @@ def _enter(case, r, a, canvas):
 
 @part
 def _mark(word, canvas, x, y, wide, tall, first, last):
-    """Mark the cells up to so far from ``(x, y)``, in the quarters ``first`` and ``last``.
+    """Mark the cells up to so far from ``(x, y)``, at the quarter turns ``first`` and ``last``.
 
     ``_spread`` adds a cell on all sides.
     """
@@ -203,18 +200,18 @@ def _mark(word, canvas, x, y, wide, tall, first, last):
     y0 = nearest_cell((y - tall - canvas.y) * canvas.scale, canvas.rows)
     y1 = nearest_cell((y + tall - canvas.y) * canvas.scale, canvas.rows)
     for quarter in (first, last):
-        mark_cells(word, canvas, x0, x1, y0, y1, quarter & 3)
+        mark_cells(word, canvas, x0, x1, y0, y1, quarter & 1)
         if first == last:
             break
 
 
 @part
-def mark_cells(word, canvas, x0, x1, y0, y1, quarter):
-    """Mark the cells of the columns ``x0`` to ``x1`` in the rows ``y0`` to ``y1``."""
+def mark_cells(word, canvas, x0, x1, y0, y1, part):
+    """Mark the cells of the columns ``x0`` to ``x1`` and rows ``y0`` to ``y1`` of one map."""
     for w in range(x0 >> 6, (x1 >> 6) + 1):
         begin, end = max(x0 - 64 * w, 0), min(x1 - 64 * w, 63)
         run = ((2 << (end - begin)) - 1) << begin
-        top = canvas.begin + (quarter * (canvas.columns >> 6) + w) * canvas.rows
+        top = canvas.begin + (part * (canvas.columns >> 6) + w) * canvas.rows
         word[top + y0] |= run
         word[top + y1] |= run
         for k in range(top + y0 + 1, top + y1):
@@ -225,8 +222,8 @@ def mark_cells(word, canvas, x0, x1, y0, y1, quarter):
 def _spread(case, slot):
     """Add to the cells marked in a map those beside them."""
     word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
-    for quarter in range(4):
-        begin = (slot * 4 + quarter) * words * rows
+    for odd in range(2):
+        begin = (slot * 2 + odd) * words * rows
         end = begin + words * rows
         for y in range(begin, begin + rows):
             before, now = 0, word[y]
@@ -257,7 +254,7 @@ def quarter_at(ground, yaw):
 @part
 def begin_of(case, r, quarter):
     """The first word of a room's map of a quarter."""
-    return ((case.ground.part[0] + r) * 4 + quarter) * case.plan.cells[0] * case.plan.cells[1]
+    return ((case.ground.part[0] + r) * 2 + (quarter & 1)) * case.plan.cells[0] * case.plan.cells[1]
 
 
 @part

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from situgraph.matching.boxes import HU, HV, PX, PY, TURN, YAW
+from situgraph.matching.boxes import HU, HV, PX, PY, TURN, UX, UY, YAW, radius
 from situgraph.matching.compiled import part
 from situgraph.matching.maps import (
     BITS,
@@ -40,7 +40,7 @@ FAR = 1.0e6  # cells
 MOST_COUNTED = 0.9  # share of all cells, about, that are marked in the map of one that is counted
 SPARE = 8  # rooms that are counted beyond twice as many as may be lost
 WORTH = 64  # words counted for one hypothesis, at most
-AROUND = 2  # cells by which the anchor may be off: one for the yaw and rounding, one for a box
+AROUND = 1  # cells by which the anchor may be off, for the yaw and rounding
 
 
 @part
@@ -356,12 +356,17 @@ def _inside(cell, count):
 def may_lie(case, box):
     """Whether the anchor of the group may lie where a box takes it."""
     sieve, plan = case.sieve, case.plan
-    wide = box[HU] ** 2 + box[HV] ** 2 > REACH * REACH or box[TURN] > 2 * case.limits.angle
+    wide = 2 * radius(box) > REACH or box[TURN] > 2 * case.limits.angle
     if not sieve.told[SIFTED] or wide:
         return True
-    quarter = quarter_at(case.ground, box[YAW]) & 3
-    begin = quarter * plan.cells[0] * plan.cells[1]
-    return is_marked(plan, sieve.word, begin, box[PX], box[PY])
+    begin = (quarter_at(case.ground, box[YAW]) & 3) * plan.cells[0] * plan.cells[1]
+    x = abs(box[UX]) * box[HU] + abs(box[UY]) * box[HV]
+    y = abs(box[UY]) * box[HU] + abs(box[UX]) * box[HV]
+    for k in range(4):  # no cell lies between
+        x, y = (x, -y) if k & 1 else (-x, y)
+        if is_marked(plan, sieve.word, begin, box[PX] + x, box[PY] + y):
+            return True
+    return False
 
 
 @part
