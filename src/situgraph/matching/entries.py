@@ -31,7 +31,7 @@ from situgraph.matching.tables import (
     Table,
 )
 from situgraph.matching.traces import Start, Traces, recall, traces_of
-from situgraph.matching.views import look
+from situgraph.matching.views import look, unexplained
 
 ROOM, PEAKS_A_ROOM = 64, 2  # for peaks, to begin with: at least, for each prior room
 COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
@@ -119,7 +119,7 @@ def _search_all(wanted):
                 wanted.shift[kept] = z
                 for c in range(4):
                     wanted.place[kept, c + 1] = found.peak[k, c]
-                wanted.place[kept, 4] += _unexplained(case, found.peak[k])
+                wanted.place[kept, 4] += _rest(case, found.peak[k], found.rest[k])
             kept += 1
         for k in range(found.count[LEFT]):
             if left < len(wanted.left) and k < len(found.cover):
@@ -155,18 +155,20 @@ def _weigh_others(case):
 
 
 @part
-def _unexplained(case, peak):
-    """What the rooms say that are not explained at a peak; one so high explains all."""
-    seen, limits, total = case.seen, case.limits, 0.0
+def _rest(case, peak, known):
+    """What the rooms say that are not explained at a peak, looked at where that is not known.
+
+    One so high explains all.
+    """
+    seen, limits = case.seen, case.limits
     rooms = len(seen.storey)
     most = seen.planes * limits.fit_peak + (rooms - 1) * limits.room_true + limits.room_false
     if case.task.least == rooms or peak[3] > most:
-        return total
+        return 0.0
+    if not math.isnan(known):
+        return known
     look(case, case.one, peak[0], peak[1], peak[2], 0.0, 0.0)
-    for r in range(rooms):
-        if case.one.room[r] < 0:
-            total += case.found.other[r]
-    return total
+    return unexplained(case, case.one)
 
 
 @part

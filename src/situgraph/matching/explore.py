@@ -38,7 +38,7 @@ from situgraph.matching.records import scratch
 from situgraph.matching.represented import NEAR, known_peak, none_higher
 from situgraph.matching.settled import all_fit, settle, settled_by
 from situgraph.matching.tables import BOXES, CUT, PEAKS, STAGE, WITHIN, WORK
-from situgraph.matching.views import fixes, look
+from situgraph.matching.views import fixes, look, unexplained
 from situgraph.matching.wards import entrust
 
 FINE = 0.005  # half widths below which no higher peak is looked for beside a known one, metres
@@ -155,7 +155,7 @@ def _ascend(case, at):
     """Note the peak of a feasible placement, whose view is ``case.one``, and where it leads."""
     height = climb(case, at)
     highest = is_highest(case, at, height)
-    add_peak(case, at, height)
+    add_peak(case, at, height, unexplained(case, case.one))
     if highest and not settle(case, at, height):
         top = rise(case, at, height)
         if top > height:

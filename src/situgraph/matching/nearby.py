@@ -25,8 +25,11 @@ def forget_peaks(case):
 
 
 @part
-def add_peak(case, at, height):
-    """Note a peak, unless it is known; where there is no room for it, it is only counted."""
+def add_peak(case, at, height, rest):
+    """Note a peak, unless it is known; where there is no room for it, it is only counted.
+
+    ``rest`` is what the rooms say there that are not explained, NaN where that was not looked at.
+    """
     peaks, count = case.found.peak, case.found.count
     if peak_at(case, at) >= 0:
         return
@@ -35,6 +38,7 @@ def add_peak(case, at, height):
         for c in range(3):
             peaks[k, c] = at[c]
         peaks[k, 3] = height
+        case.found.rest[k] = rest
         case.found.since[k] = 0
         _unsettle(case, k)
         enter_peak(case, k)

@@ -134,7 +134,7 @@ def _raise_once(case, at, height, goal, tried, top):
                 continue
             value = _changed(case, at, r, i, j, free, goal, tried)
             if value > height + LEAST_GAIN:
-                add_peak(case, tried, value)
+                add_peak(case, tried, value, math.nan)
                 if value > best:
                     best = value
                     _part_way(tried, tried, 0.0, 0.0, top)

@@ -31,7 +31,7 @@ from situgraph.matching.records import scratch
 from situgraph.matching.represented import represents, sway_of
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, SETTLED
-from situgraph.matching.views import count_planes
+from situgraph.matching.views import count_planes, unexplained
 from situgraph.matching.wards import entrust
 
 FARTHEST, WIDEST = 2.0, 1.02  # metres around a peak, and share of the angle tolerance
@@ -78,7 +78,7 @@ def settle(case, at, height):
     for _ in range(SETTLING):
         _around(case, at, far, turn, box)
         if represents(case, box, at) and _no_more(case, box):
-            add_peak(case, at, height)
+            add_peak(case, at, height, unexplained(case, case.one))
             known = peak_at(case, at)
             if known < 0:
                 return False

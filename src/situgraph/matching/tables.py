@@ -324,6 +324,7 @@ class Found(NamedTuple):
     bucket: Annotated[Ints, "buckets"]  # number + 1 of the last peak of each cell (``nearby``)
     linked: Annotated[Ints, "peaks"]  # and of the one before each
     close: Annotated[Ints, "peaks"]  # those near a place
+    rest: Annotated[Floats, "peaks"]  # what the rooms say that a peak does not explain, or NaN
     count: Annotated[Ints, 9]  # type: ignore[assignment]  # ``PEAKS`` to ``SETTLED``
     ward: Annotated[Floats, "peaks", "sides"]  # what each peak stood for (``wards``)
     since: Annotated[Ints, "peaks"]  # how many peaks there were when it first did, 0: it did not

@@ -220,6 +220,16 @@ def evidence(case, spot):
 
 
 @part
+def unexplained(case, spot):
+    """What the rooms say that are not explained: they may be like those of the plan."""
+    total = 0.0
+    for r in range(len(spot.room)):
+        if spot.room[r] < 0:
+            total += case.found.other[r]
+    return total
+
+
+@part
 def _moved_together(case):
     """What moved planes of one wall spare, which moved as one: a largest spanning forest of them.
 
