@@ -180,13 +180,15 @@ def _along(case, r, a, k, quarter, out):
 @part
 def farthest(case, r, a):
     """How far apart the centres of plain rooms are along a direction, at most, where walls meet."""
-    mine, its = 0.0, 0.0
+    mine_low = its_low = math.inf
+    mine_high = its_high = -math.inf
     for k in range(SIDE, SIDE + 4):
-        if abs(case.seen.plain[r, k]) > mine:
-            mine = abs(case.seen.plain[r, k])
-        if abs(case.plan.plain[a, k]) > its:
-            its = abs(case.plan.plain[a, k])
-    return mine + its
+        mine, its = case.seen.plain[r, k], case.plan.plain[a, k]
+        if not math.isnan(mine):
+            mine_low, mine_high = min(mine_low, mine), max(mine_high, mine)
+        if not math.isnan(its):
+            its_low, its_high = min(its_low, its), max(its_high, its)
+    return max(mine_high - its_low, its_high - mine_low)
 
 
 @part
