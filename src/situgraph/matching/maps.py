@@ -91,10 +91,12 @@ def tells(case, r, most):
     seen, plan = case.seen, case.plan
     if case.task.storeys[seen.storey[r]] < 0:
         return True
-    if seen.flat[r] or seen.first[r + 1] - seen.first[r] < 3:
+    planes = seen.first[r + 1] - seen.first[r]
+    if seen.flat[r] or planes < 3:
         return False
+    marked = MARKED if planes > 3 else 2 * MARKED  # half turns find other places without a wall
     cells = plan.cells[0] * plan.cells[1] * BITS
-    return case.found.alike[r] * MARKED < cells * most
+    return case.found.alike[r] * marked < cells * most
 
 
 @part
