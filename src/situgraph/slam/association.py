@@ -170,11 +170,13 @@ def _pairs(
     middles = np.array([s.ends.mean(axis=0) for s in pieces]) @ rotation.T + level[:2]
     halves = np.array([s.length / 2 for s in pieces])
     near = _near(middles, halves, planes, config.gap)
+    again = _near(middles, halves - np.minimum(halves, config.seen_again), planes, 0.0)
     for i, piece in enumerate(pieces):
         turn = np.abs(wrap_angle(piece.angle + level[2] - facing))
         across = np.abs(normals @ middles[i] + offsets)
         angle_gate = config.angle / 2 + 2.0 * np.sqrt(piece.covariance[0, 0])
-        fits = near[i] & (turn < min(angle_gate, config.angle)) & (across < config.offset)
+        gate = np.where(again[i], config.offset, config.extend)
+        fits = near[i] & (turn < min(angle_gate, config.angle)) & (across < gate)
         out.append(
             planes[int(np.where(fits, across, np.inf).argmin())].number if fits.any() else None
         )

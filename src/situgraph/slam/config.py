@@ -116,6 +116,14 @@ class MapConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     gap: Annotated[
         float, setting("... and lie no farther apart along the wall", "m", "one door", ge=0)
     ] = 1.2
+    seen_again: Annotated[
+        float,
+        setting("A piece was seen before where it shares so much with its plane", "m", TESTS, gt=0),
+    ] = 0.5
+    extend: Annotated[
+        float,
+        setting("Another one lies this near the plane's line", "m", "3 sigma of both", gt=0),
+    ] = 0.03
     sigma_position: Annotated[
         float, setting("Expected error of a keyframe before it is aligned", "m", TESTS, gt=0)
     ] = 0.15
