@@ -20,6 +20,7 @@ import numpy as np
 
 from situgraph.matching.boxes import HU, HV, PX, PY, TURN, UX, UY, YAW, radius
 from situgraph.matching.compiled import part
+from situgraph.matching.ground import MOST_MARKED
 from situgraph.matching.maps import (
     BITS,
     REACH,
@@ -62,6 +63,9 @@ def sift(case):
             if not _sift(case, counted, quarter, p):
                 return
     told[SIFTED] = 1
+    if tells(case, case.sieve.room[counted - 1], MOST_MARKED):  # no others need be drawn then
+        for r in range(len(case.sieve.counted)):
+            case.ground.known[r] = case.sieve.counted[r]
 
 
 @part
