@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
+from situgraph.errors import InputError
 from situgraph.experiments import robustness
 from situgraph.experiments.runner import RunOptions
 
@@ -23,6 +26,13 @@ def test_every_case_tells_its_outcomes(tmp_path: Path) -> None:
         assert counts["admissible_wrong"] == 0
     assert result.summary["clean"]["admissible"] == 4
     assert result.summary["clean"]["truth_among_candidates"] == 1.0
+
+
+def test_one_case_can_be_asked_for_alone() -> None:
+    result = robustness.run(RunOptions(extra={"trials": 2, "case": "clean"}))
+    assert {name: counts["trials"] for name, counts in result.summary.items()} == {"clean": 2}
+    with pytest.raises(InputError, match="there is no case 'cleen'; take one of: clean"):
+        robustness.run(RunOptions(extra={"case": "cleen"}))
 
 
 def test_the_cases_of_the_definition_are_there() -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from situgraph.errors import InputError
 from situgraph.experiments.oracle.definition import Policy
 from situgraph.experiments.outcomes import Judge, tally
 from situgraph.experiments.results import ExperimentResult
@@ -101,11 +102,22 @@ ALL = MatchingConfig(rival_ratio=0.0, outside_prior=1e-300, max_solutions=100_00
 
 
 def run(options: RunOptions) -> ExperimentResult:
-    """Compute it; with a folder also draw the bars. Extra parameter: ``trials`` (for each case)."""
+    """Compute it; with a folder also draw the bars.
+
+    Extra parameters: ``trials`` (for each case), ``case`` (one alone).
+
+    Raises:
+        InputError: there is no such case.
+    """
     trials = int(options.extra.get("trials", TRIALS[options.full]))
+    wanted = options.extra.get("case")
+    if wanted is not None and wanted not in CASES:
+        remedy = f"take one of: {' | '.join(CASES)}"
+        raise InputError("--extra case", f"there is no case {wanted!r}", remedy)
     tasks = [
         {"case": case, "number": number, "seed": options.seed + number}
         for case in CASES
+        if wanted in (None, case)
         for number in range(trials)
     ]
     experiment = Experiment("robustness", tasks, solve, summarise, options.seed)

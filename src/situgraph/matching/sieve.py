@@ -34,7 +34,7 @@ from situgraph.matching.maps import (
 )
 from situgraph.matching.plain import CX, CY, JOINED, QUARTER, farthest
 from situgraph.matching.slack import SLACK
-from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED
+from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED, STAGE, WITHIN
 
 LEFT, RIGHT, LOW, HIGH = 1, 2, 4, 8  # sides of a map
 FAR = 1.0e6  # cells
@@ -46,9 +46,11 @@ AROUND = 1  # cells by which the anchor may be off, for the yaw and rounding
 
 @part
 def sift(case):
-    """Tell where the mean room centre can be, where that is worth it."""
+    """Tell where the mean room centre can be, where that is worth it: not where a region tells."""
     told = case.sieve.told
     told[SIFTED] = told[KEPT] = 0
+    if case.found.count[STAGE] == WITHIN:
+        return
     counted = _choose(case)
     if told[NEEDED] <= 0 or not _part(case, counted):
         return
