@@ -17,7 +17,7 @@ from situgraph.matching.sieve import sift
 from situgraph.matching.tables import KEPT, NEEDED, PARTED, SIFTED, Case
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sampler import sample_online
-from situgraph.plan.sampler_config import REALISTIC
+from situgraph.plan.sampler_config import CLEAN, REALISTIC, SamplerConfig
 
 
 @entry
@@ -26,15 +26,18 @@ def sifted(place):  # type: ignore[no-untyped-def]
     sift(record_at(place, Case))
 
 
-def drawn(rooms: int) -> tuple[Block, Any]:
+FEW, MANY = (12, 100, REALISTIC), (900, 1000, CLEAN)  # rooms seen, planned, errors
+
+
+def drawn(rooms: int, planned: int, errors: SamplerConfig) -> tuple[Block, Any]:
     """A case of so many rooms, whose maps are drawn and have no marks; and what it is made of."""
-    plan = make_layout("random", 100, 0)
+    plan = make_layout("random", planned, 0)
     inputs = prepare(
-        sample_online(plan, rooms, 0, REALISTIC).online, PlanIndex(plan), "none", MatchingConfig()
+        sample_online(plan, rooms, 0, errors).online, PlanIndex(plan), "none", MatchingConfig()
     )
     case = Block(Case, inputs.tables.sizes(peaks=8, maps=1), **inputs.tables.given(inputs.aim))
     case.array("ground.drawn")[:] = 1
-    case.array("found.alike")[:] = case.array("groups.told")[0] = 100
+    case.array("found.alike")[:] = case.array("groups.told")[0] = planned
     return case, inputs
 
 
@@ -59,9 +62,11 @@ def left(case: Block) -> set[tuple[int, int, int]]:
     return found
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_where_enough_rooms_are_marked_the_mean_is_left(seed: int) -> None:
-    case, inputs = drawn(12)
+@pytest.mark.parametrize(("size", "seed"), [*((FEW, k) for k in range(40)), (MANY, 0)])
+def test_where_enough_rooms_are_marked_the_mean_is_left(
+    size: tuple[int, int, SamplerConfig], seed: int
+) -> None:
+    case, inputs = drawn(*size)
     sifted(case.place)
     told = case.array("sieve.told")
     assert told[SIFTED] == 1

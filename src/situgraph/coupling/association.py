@@ -63,7 +63,6 @@ def associate_planes(
         for storey in floors.get(face.id, {None}):
             by_storey.setdefault(storey, []).append(face)
     only = set(storeys.values())
-
     options: list[Option] = []
     for plane in online.planes:
         levels = {storeys.get(s) if s else None for s in own.get(plane.id, set())}

@@ -74,10 +74,9 @@ class Problem:
         ``scales.map``.
         """
         gtsam = self.gtsam
-        factors = gtsam.NonlinearFactorGraph(self.factors)
+        factors, model = gtsam.NonlinearFactorGraph(self.factors), self._built(scales)
         for slot, factor in zip(self._slots, self.between):
             a, b = factor.keys()
-            model = self._built(scales)
             factors.replace(slot, gtsam.BetweenFactorPose3(a, b, factor.measured(), model))
         return factors
 

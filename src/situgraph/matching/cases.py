@@ -9,7 +9,7 @@ from situgraph.matching.nearby import BUCKETS
 from situgraph.matching.tables import Aim, Content, Limits, Plan, Seen
 
 WAITING = 64  # boxes of one pair of rooms that are put together
-SUMS, BESIDE = 10, 64  # of the sieve: marks, what is left, binary digits; rows beyond a map's
+BESIDE = 64  # rows of the sieve beyond those of a map
 DEPTH = 256  # of the stack of boxes: each is halved until it is smaller than a millimetre
 
 
@@ -72,6 +72,6 @@ def room_of(seen: Seen, plan: Plan, storeys: int) -> dict[str, int]:
         "map": 4 * wide * tall,
         "blocks": (wide // 8 + 1) * (tall // 8 + 1),
         "left": 64 + 16 * wide * tall,
-        "sums": SUMS,
+        "sums": 2 + rooms.bit_length(),  # marks, what is left, binary digits of a count
         "height": tall + BESIDE,
     }
