@@ -14,6 +14,7 @@ from situgraph.matching.compiled import entry
 from situgraph.matching.preparation import prepare
 from situgraph.matching.records import record_at
 from situgraph.matching.sieve import sift
+from situgraph.matching.sifted import sift_for
 from situgraph.matching.tables import KEPT, NEEDED, PARTED, SIFTED, Case
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sampler import sample_online
@@ -24,6 +25,12 @@ from situgraph.plan.sampler_config import CLEAN, REALISTIC, SamplerConfig
 def sifted(place):  # type: ignore[no-untyped-def]
     """Run the sieve of a case."""
     sift(record_at(place, Case))
+
+
+@entry
+def sifted_for(place):  # type: ignore[no-untyped-def]
+    """What the sieve of a case leaves to the first group."""
+    sift_for(record_at(place, Case), 0)
 
 
 FEW, MANY = (12, 100, REALISTIC), (900, 1000, CLEAN)  # rooms seen, planned, errors
@@ -92,3 +99,38 @@ def test_where_enough_rooms_are_marked_the_mean_is_left(
     sifted(case.place)
     column, row = np.floor((middle - corner[:2]) * corner[2]).astype(int)
     assert not case.array("sieve.told")[SIFTED] or (quarter, column, row) in left(case)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_anchor_is_marked_where_it_is_left(seed: int) -> None:
+    case, inputs = drawn(*FEW)
+    rng, index = np.random.default_rng(seed), inputs.index
+    wide, tall = (index.table.cells * (64, 1)).tolist()
+    told, kept, parts = case.array("sieve.told"), int(rng.integers(1, 30)), 3
+    told[SIFTED], told[KEPT], told[PARTED] = 1, kept, parts
+    case.array("sieve.turn")[:] = -0.08, 0.03
+    case.array("groups.first")[1] = 1
+    anchor = case.array("groups.member")[0] = int(rng.integers(len(inputs.kept)))
+    left = case.array("sieve.left")[:kept]
+    left[:, 0] = np.sort(rng.integers(4 * parts, size=kept))
+    left[:, 1] = rng.integers(-80, wide + 20, size=kept)
+    left[:, 2] = rng.integers(-5, tall + 5, size=kept)
+    left[:, 3] = rng.integers(-(2**63), 2**63, size=kept) & rng.integers(-(2**63), 2**63, size=kept)
+    sifted_for(case.place)
+    words, blocks = np.zeros((4, wide // 64, tall), np.uint64), set()
+    for part, x, y, bits in left.tolist():
+        quarter, turn = part // parts, 0.03 * (2 * (part % parts) + 1) - 0.08
+        yaw = inputs.tables.turn + quarter * math.pi / 2 + turn
+        c, s = math.cos(yaw) * index.table.corner[2], math.sin(yaw) * index.table.corner[2]
+        ax, ay = inputs.seen.center[anchor]
+        x, y = x + math.floor(c * ax - s * ay + 0.5), y + math.floor(s * ax + c * ay + 0.5)
+        for b in (b for b in range(64) if bits >> b & 1):
+            for column in np.clip(np.arange(x + b - 1, x + b + 2), 0, wide - 1).tolist():
+                for row in np.clip(np.arange(y - 1, y + 2), 0, tall - 1).tolist():
+                    words[quarter, column // 64, row] |= np.uint64(1 << (column % 64))
+                    blocks.add((column // 8, row // 8))
+    assert (case.array("sieve.word").view(np.uint64) == words.reshape(-1)).all()
+    lines, found = tall // 8 + 1, set()
+    for k, bits in enumerate(case.array("sieve.block").tolist()):
+        found |= {(64 * (k // lines) + b, k % lines) for b in range(64) if bits >> b & 1}
+    assert found == blocks

@@ -45,7 +45,8 @@ from situgraph.matching.nearby import forget_peaks
 from situgraph.matching.plain import plain_pair
 from situgraph.matching.records import scratch
 from situgraph.matching.settled import settled_by
-from situgraph.matching.sieve import may_lie, may_lie_by, sift, sift_for
+from situgraph.matching.sieve import sift
+from situgraph.matching.sifted import may_lie, may_lie_by, sift_for
 from situgraph.matching.tables import (
     ANYWHERE,
     HELD,

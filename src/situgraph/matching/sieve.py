@@ -18,21 +18,15 @@ import math
 
 import numpy as np
 
-from situgraph.matching.boxes import HU, HV, PX, PY, TURN, UX, UY, YAW, radius
 from situgraph.matching.compiled import part
 from situgraph.matching.ground import MOST_MARKED
 from situgraph.matching.maps import (
     BITS,
-    REACH,
-    Canvas,
     begin_of,
     draw,
-    is_marked,
-    mark_cells,
-    quarter_at,
     tells,
 )
-from situgraph.matching.plain import CX, CY, JOINED, QUARTER, farthest
+from situgraph.matching.plain import QUARTER
 from situgraph.matching.slack import SLACK
 from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED, STAGE, WITHIN
 
@@ -41,7 +35,6 @@ FAR = 1.0e6  # cells
 MOST_COUNTED = 0.9  # share of all cells, about, that are marked in the map of one that is counted
 SPARE = 8  # rooms that are counted beyond twice as many as may be lost
 WORTH = 64  # words counted for one hypothesis, at most
-AROUND = 1  # cells by which the anchor may be off, for the yaw and rounding
 
 
 @part
@@ -159,7 +152,7 @@ def _open(case, begin):
 def _sift(case, counted, quarter, p):
     """For one part of the yaws; False where what is left cannot be told or is too much."""
     sieve, words, rows = case.sieve, case.plan.cells[0], case.plan.cells[1]
-    _shift(case, counted, quarter, p)
+    shift_rooms(case, counted, quarter, p)
     left, right = _reach(case, counted, 0, 1, LEFT), _reach(case, counted, 0, -1, RIGHT)
     low, high = _reach(case, counted, 1, 1, LOW), _reach(case, counted, 1, -1, HIGH)
     if max(left, right, low, high) >= FAR:
@@ -183,7 +176,7 @@ def _sift(case, counted, quarter, p):
 
 
 @part
-def _shift(case, counted, quarter, p):
+def shift_rooms(case, counted, quarter, p):
     """By how many cells each room is from the mean, for one part of the yaws."""
     sieve, center = case.sieve, case.seen.center
     yaw = _yaw(case, quarter, p)
@@ -260,7 +253,7 @@ def _bring(case, k, quarter, x, y0, height):
     outside = -1 if sides & (LEFT if column < 0 else RIGHT) else 0
     if 0 <= column < case.plan.cells[0]:
         for y in range(begin, end):
-            out[y] = _right(word[top + y], right)
+            out[y] = to_right(word[top + y], right)
     else:
         for y in range(begin, end):
             out[y] = outside
@@ -285,113 +278,6 @@ def _bring(case, k, quarter, x, y0, height):
 
 
 @part
-def sift_for(case, g):
-    """Mark where the anchor of group ``g`` is when all of the group lie where they can."""
-    sieve, plan, groups = case.sieve, case.plan, case.groups
-    if not sieve.told[SIFTED]:
-        return
-    for k in range(len(sieve.word)):
-        sieve.word[k] = 0
-    for k in range(len(sieve.block)):
-        sieve.block[k] = 0
-    wide, tall = plan.cells[0] * BITS, plan.cells[1]
-    canvas = Canvas(plan.corner[0], plan.corner[1], plan.corner[2], wide, tall, 0)
-    blocks = Canvas(
-        plan.corner[0], plan.corner[1], plan.corner[2] / 8, wide >> 3, (tall >> 3) + 1, 0
-    )
-    count = 0
-    for m in range(groups.first[g], groups.first[g + 1]):
-        r = groups.member[m]
-        if m == groups.first[g] or sieve.counted[r]:
-            sieve.room[count] = r
-            count += 1
-    part = -1
-    for m in range(sieve.told[KEPT]):
-        if part != sieve.left[m, 0]:
-            part = sieve.left[m, 0]
-            quarter = part // sieve.told[PARTED]
-            _shift(case, count, quarter, part % sieve.told[PARTED])
-        x, y, bits = sieve.left[m, 1], sieve.left[m, 2], sieve.left[m, 3]
-        for k in range(count):
-            if bits != 0 and sieve.counted[sieve.room[k]]:
-                begin = begin_of(case, sieve.room[k], quarter)
-                bits &= _cells(case, begin, x + sieve.shift[0, k], y + sieve.shift[1, k])
-        x, y = x + sieve.shift[0, 0], y + sieve.shift[1, 0]
-        y0, y1 = _inside(y - AROUND, tall), _inside(y + AROUND, tall)
-        b = 0
-        while bits != 0:
-            if bits & 1:
-                x0, x1 = _inside(x + b - AROUND, wide), _inside(x + b + AROUND, wide)
-                mark_cells(sieve.word, canvas, x0, x1, y0, y1, quarter)
-                mark_cells(sieve.block, blocks, x0 >> 3, x1 >> 3, y0 >> 3, y1 >> 3, 0)
-            bits = _right(bits, 1)
-            b += 1
-
-
-@part
-def _cells(case, begin, x, y):
-    """The 64 cells of a map from ``(x, y)`` on, beyond a side those nearest to it."""
-    word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
-    begin += _inside(y, rows)
-    column, right = x >> 6, x & (BITS - 1)
-    one = two = word[begin] << 63 >> 63
-    if column >= 0:
-        one = word[begin + min(column, words - 1) * rows]
-        one = one if column < words else one >> 63
-    if right == 0:
-        return one
-    if column >= -1:
-        two = word[begin + min(column + 1, words - 1) * rows]
-        two = two if column + 1 < words else two >> 63
-    return _right(one, right) | two << (BITS - right)
-
-
-@part
-def _right(bits, by):
+def to_right(bits, by):
     """Shifted to the right, zeros following."""
     return np.int64(np.uint64(bits) >> np.uint64(by))
-
-
-@part
-def _inside(cell, count):
-    """The nearest cell of a map."""
-    return min(max(cell, 0), count - 1)
-
-
-@part
-def may_lie(case, box):
-    """Whether the anchor of the group may lie where a box takes it."""
-    sieve, plan = case.sieve, case.plan
-    wide = 2 * radius(box) > REACH or box[TURN] > 2 * case.limits.angle
-    if not sieve.told[SIFTED] or wide:
-        return True
-    begin = (quarter_at(case.ground, box[YAW]) & 3) * plan.cells[0] * plan.cells[1]
-    x = abs(box[UX]) * box[HU] + abs(box[UY]) * box[HV]
-    y = abs(box[UY]) * box[HU] + abs(box[UX]) * box[HV]
-    for k in range(4):  # no cell lies between
-        x, y = (x, -y) if k & 1 else (-x, y)
-        if is_marked(plan, sieve.word, begin, box[PX] + x, box[PY] + y):
-            return True
-    return False
-
-
-@part
-def may_lie_by(case, r, a):
-    """Whether the anchor of the group, ``r``, may lie where ``a`` takes it; both are plain."""
-    sieve, plan = case.sieve, case.plan
-    if not sieve.told[SIFTED] or 2 * max(case.limits.fit, JOINED) > REACH:
-        return True
-    x, y = plan.plain[a, CX] - plan.corner[0], plan.plain[a, CY] - plan.corner[1]
-    reach, scale = 1.5 * farthest(case, r, a), plan.corner[2]
-    x0 = _inside(math.floor((x - reach) * scale), plan.cells[0] * BITS) >> 3
-    x1 = _inside(math.floor((x + reach) * scale), plan.cells[0] * BITS) >> 3
-    y0 = _inside(math.floor((y - reach) * scale), plan.cells[1]) >> 3
-    y1 = _inside(math.floor((y + reach) * scale), plan.cells[1]) >> 3
-    rows = (plan.cells[1] >> 3) + 1
-    for w in range(x0 >> 6, (x1 >> 6) + 1):
-        begin, end = max(x0 - 64 * w, 0), min(x1 - 64 * w, 63)
-        run = ((2 << (end - begin)) - 1) << begin
-        for k in range(w * rows + y0, w * rows + y1 + 1):
-            if sieve.block[k] & run:
-                return True
-    return False
