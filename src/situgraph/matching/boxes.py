@@ -62,6 +62,13 @@ def slack_at(box, at, wx, wy):
 
 
 @part
+def slack_of_room(case, box, at, r):
+    """``slack_of`` a box for room ``r``, the ``reach_of`` the box is known."""
+    gx, gy = case.seen.center[r, 0] - box[AX], case.seen.center[r, 1] - box[AY]
+    return slack_at(box, at, at.cos * gx - at.sin * gy, at.sin * gx + at.cos * gy)
+
+
+@part
 def radius(box):
     """How far the anchor moves inside the box."""
     return math.sqrt(box[HU] ** 2 + box[HV] ** 2)

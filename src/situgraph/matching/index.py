@@ -15,8 +15,9 @@ from situgraph.matching.blocks import Block
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Stock, stock_of
 from situgraph.matching.corners import MOST_PLANES, corners_of
+from situgraph.matching.homes import homes_of, plain_rooms
 from situgraph.matching.maps import BITS, REACH
-from situgraph.matching.plain import QUARTER, plain_rooms, widths_of
+from situgraph.matching.plain import EXACT, QUARTER, widths_of
 from situgraph.matching.reading import Constants, Rooms, plan_lines, read_rooms, storey_heights
 from situgraph.matching.semantics import PlannedObjects, planned_objects, rates_of
 from situgraph.matching.sightings import Rates
@@ -116,18 +117,25 @@ class PlanIndex:
         large = np.flatnonzero(np.diff(first) > MOST_PLANES)
         lines = _lines(row, room, storey[room], len(self.elevations))
         widest = int(np.diff(first).max(initial=1))
-        plain = plain_rooms(first, row[:, 3], distance, self.center)
+        corners, cells, turns = (
+            corners_of(first, row, storey, self.config),
+            cells_of(self.center),
+            _turns_of(row[:, 3]),
+        )
+        straight = not len(large) and float(turns[1] - turns[0]) <= EXACT
+        plain = plain_rooms(first, row, distance, self.center, storey, corners, straight=straight)
         made: tuple[Any, ...] = (
             first,
             row,
             storey,
-            *corners_of(first, row, storey, self.config),
+            *corners,
             large,
             *lines,
             plain,
             widths_of(plain),
-            *cells_of(self.center),
-            _turns_of(row[:, 3]),
+            *cells,
+            homes_of(plain, storey, *cells),
+            turns,
             widest,
             *strands_of(first, row, distance),
         )

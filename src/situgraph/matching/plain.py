@@ -6,7 +6,8 @@ looked at one by one: sections 2 and 7 of ``docs/matching.md`` without any assig
 
 A row of a table of plain rooms holds the direction of the first plane, the lowest and highest yaw
 against the one that turns first plane onto first plane, and the signed distances of the planes a
-quarter turn after another; of the plan also the cosine and sine of the direction, and the centre.
+quarter turn after another, and their rows; of the plan also the cosine and sine of the direction,
+the centre, and how far the room is from others like it (``homes``).
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -14,43 +15,18 @@ quarter turn after another; of the plan also the cosine and sine of the directio
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from situgraph.matching.blocks import Block
-from situgraph.matching.compiled import entry, part
-from situgraph.matching.records import record_at
+from situgraph.matching.compiled import part
 from situgraph.matching.slack import SLACK
-from situgraph.matching.tables import Floats, Ints, Table
+from situgraph.matching.tables import Floats
 
-BASE, LOW, HIGH, SIDE, COS, SIN, CX, CY = 0, 1, 2, 3, 7, 8, 9, 10
-SEEN_COLUMNS, PLAN_COLUMNS = 7, 11
+BASE, LOW, HIGH, SIDE, ROW, COS, SIN, CX, CY, CLEAR = 0, 1, 2, 3, 7, 11, 12, 13, 14, 15
+PLAN_COLUMNS = 16  # a room seen has the first eleven
 EXACT = 1e-6  # rad; of a plan's room, that is plain when its planes are as square as this
 QUARTER = math.pi / 2
 JOINED = 0.3  # half width of an interval that is put together of two, at most, metres
-
-
-class Squaring(NamedTuple):
-    """Rooms to be looked at, and the table to be made of them."""
-
-    first: Ints  # (M + 1,)
-    angle: Floats  # (Q,) of the planes' normals
-    distance: Floats  # (Q,) of the room's centre
-    table: Table  # (M, PLAN_COLUMNS)
-
-
-def plain_rooms(first: Ints, angle: Floats, distance: Floats, center: Floats) -> Floats:
-    """The table of a plan's plain rooms (M, PLAN_COLUMNS); lengths from the origin of ``center``.
-
-    ``first`` (M + 1,), ``angle`` and ``distance`` (Q,), ``center`` (M, 2).
-    """
-    table = np.empty((len(center), PLAN_COLUMNS))
-    angle, distance = (np.ascontiguousarray(v) for v in (angle, distance))
-    draw_plain(Block.of(Squaring, (first, angle, distance, table)).place)
-    table[:, COS], table[:, SIN] = np.cos(table[:, BASE]), np.sin(table[:, BASE])
-    table[:, CX:] = center
-    return table
 
 
 def widths_of(table: Floats) -> Floats:
@@ -58,14 +34,6 @@ def widths_of(table: Floats) -> Floats:
     width = table[:, SIDE : SIDE + 2] + table[:, SIDE + 2 : SIDE + 4]
     width[np.isnan(width).any(axis=1) | np.isnan(table[:, BASE])] = math.nan
     return np.ascontiguousarray(width.T)
-
-
-@entry
-def draw_plain(place):
-    """Fill the table of a ``Squaring``."""
-    t = record_at(place, Squaring)
-    for r in range(len(t.first) - 1):
-        square(t, r, EXACT, 0.0, t.table[r])
 
 
 @part
@@ -88,7 +56,7 @@ def square(t, r, spread, turn, row):
         k = quarter & 3
         if abs(off) > spread or not math.isnan(row[SIDE + k]):
             return
-        row[SIDE + k] = t.distance[i]
+        row[SIDE + k], row[ROW + k] = t.distance[i], i
         low, last = max(low, min(last, off)), max(last, off)
         high, first = min(high, max(first, off)), min(first, off)
     both = (math.isnan(row[SIDE]) and math.isnan(row[SIDE + 2])) or (
@@ -100,6 +68,12 @@ def square(t, r, spread, turn, row):
         low, high = last, first
     row[BASE] = base
     row[LOW], row[HIGH] = low - turn - SLACK - EXACT, high + turn + SLACK + EXACT
+
+
+@part
+def has_four(row):
+    """Whether a room of this row of a table is plain and has four planes."""
+    return not math.isnan(row[BASE] + row[SIDE] + row[SIDE + 1] + row[SIDE + 2] + row[SIDE + 3])
 
 
 @part

@@ -14,7 +14,7 @@ from situgraph.matching.boxes import (
     centre,
     radius,
     reach_of,
-    slack_at,
+    slack_of_room,
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
@@ -99,47 +99,47 @@ def sway_of(box):
 @part
 def represents(case, box, at):
     """Whether all pairs of planes that can fit in the box fit at the placement ``at`` as well."""
-    seen, plan, limits, finder, task = (
-        case.seen,
-        case.plan,
-        case.limits,
-        case.finder,
-        case.task,
-    )
     here = reach_of(box)
-    ca, sa = math.cos(at[0]), math.sin(at[0])
-    for r in range(len(seen.storey)):
-        storey = task.storeys[seen.storey[r]]
-        if storey < 0:
-            continue
-        found = find(case, r, storey, here, False)
-        if found < 0:
+    for r in range(len(case.seen.storey)):  # noqa: SIM110
+        if not represents_room(case, box, here, at, r):
             return False
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        gx, gy = cx - box[AX], cy - box[AY]
-        wx, wy = here.cos * gx - here.sin * gy, here.sin * gx + here.cos * gy
-        x, y = box[PX] + wx, box[PY] + wy
-        slack = slack_at(box, here, wx, wy)
-        tx, ty = at[1] + ca * cx - sa * cy, at[2] + sa * cx + ca * cy
-        for k in range(found):
-            a = finder.room[k]
-            if not may_be(case, r, a):
-                continue
-            if not may_explain(case, r, a, box[YAW], x, y, slack):
-                continue
-            for i in range(seen.first[r], seen.first[r + 1]):
-                top, rows = rows_near(case, a, i, box[YAW], x, y, limits.fit, slack)
-                for m in range(rows):
-                    j = row_at(case, top, m)
-                    bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])
-                    if abs(bend) > limits.angle + box[TURN] + SLACK:
-                        continue
-                    nx, ny = plan.row[j, 0], plan.row[j, 1]
-                    off = abs(seen.distance[i] - (nx * x + ny * y + plan.row[j, 2]))
-                    if off > limits.fit + give(slack, nx, ny) + SLACK:
-                        continue
-                    there = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
-                    reach = abs(seen.distance[i] - (nx * tx + ny * ty + plan.row[j, 2]))
-                    if there > limits.angle + SLACK or reach > limits.fit + SLACK:
-                        return False
+    return True
+
+
+@part
+def represents_room(case, box, here, at, r):
+    """The same of the planes of room ``r``; ``here`` is the ``reach_of`` the box."""
+    seen, plan, limits, finder = case.seen, case.plan, case.limits, case.finder
+    storey = case.task.storeys[seen.storey[r]]
+    if storey < 0:
+        return True
+    found = find(case, r, storey, here, False)
+    if found < 0:
+        return False
+    cx, cy = seen.center[r, 0], seen.center[r, 1]
+    slack = slack_of_room(case, box, here, r)
+    x, y = box[PX] + slack.wx, box[PY] + slack.wy
+    ca, sa = math.cos(at[0]), math.sin(at[0])
+    tx, ty = at[1] + ca * cx - sa * cy, at[2] + sa * cx + ca * cy
+    for k in range(found):
+        a = finder.room[k]
+        if not may_be(case, r, a):
+            continue
+        if not may_explain(case, r, a, box[YAW], x, y, slack):
+            continue
+        for i in range(seen.first[r], seen.first[r + 1]):
+            top, rows = rows_near(case, a, i, box[YAW], x, y, limits.fit, slack)
+            for m in range(rows):
+                j = row_at(case, top, m)
+                bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])
+                if abs(bend) > limits.angle + box[TURN] + SLACK:
+                    continue
+                nx, ny = plan.row[j, 0], plan.row[j, 1]
+                off = abs(seen.distance[i] - (nx * x + ny * y + plan.row[j, 2]))
+                if off > limits.fit + give(slack, nx, ny) + SLACK:
+                    continue
+                there = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
+                reach = abs(seen.distance[i] - (nx * tx + ny * ty + plan.row[j, 2]))
+                if there > limits.angle + SLACK or reach > limits.fit + SLACK:
+                    return False
     return True

@@ -24,11 +24,13 @@ from situgraph.matching.boxes import (
     centre,
     possible,
     reach_of,
+    slack_of_room,
 )
 from situgraph.matching.compiled import part
+from situgraph.matching.homes import stays_alone
 from situgraph.matching.nearby import TIE, add_peak, peak_at, peaks_near, same_place
 from situgraph.matching.records import scratch
-from situgraph.matching.represented import represents, sway_of
+from situgraph.matching.represented import represents_room, sway_of
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, SETTLED
 from situgraph.matching.views import count_planes, unexplained
@@ -77,7 +79,7 @@ def settle(case, at, height):
     box, (far, turn) = scratch(SIDES), (FARTHEST, WIDEST * case.limits.angle)
     for _ in range(SETTLING):
         _around(case, at, far, turn, box)
-        if represents(case, box, at) and _no_more(case, box):
+        if _stands_around(case, box, at) and _no_more(case, box):
             add_peak(case, at, height, unexplained(case, case.one))
             known = peak_at(case, at)
             if known < 0:
@@ -127,6 +129,21 @@ def _around(case, at, far, turn, box):
     box[UX], box[UY] = row[0, 0], row[0, 1]
     box[HU] = box[HV] = far
     box[AX] = box[AY] = 0.0
+
+
+@part
+def _stands_around(case, box, at):
+    """Whether the peak ``at``, in the middle of the box, represents it; ``case.one`` is its view.
+
+    A room that no other prior room explains has no other walls that can fit.
+    """
+    here = reach_of(box)
+    for r in range(len(case.one.room)):
+        if stays_alone(case, r, slack_of_room(case, box, here, r)):
+            continue
+        if not represents_room(case, box, here, at, r):
+            return False
+    return True
 
 
 @part

@@ -46,3 +46,11 @@ def give(slack, nx, ny):
     bend = abs(nx * slack.wx + ny * slack.wy) * slack.bend
     swing = abs(ny * slack.wx - nx * slack.wy) * slack.swing
     return along + across + bend + swing
+
+
+@part
+def residuals(case, i, j, yaw, x, y):
+    """By how much plane ``i`` is turned against prior row ``j``, and off; its room is at (x, y)."""
+    seen, row = case.seen, case.plan.row
+    bend = wrapped(seen.angle[i] + yaw - row[j, 3])
+    return bend, seen.distance[i] - (row[j, 0] * x + row[j, 1] * y + row[j, 2])

@@ -87,7 +87,7 @@ class Seen(NamedTuple):
     probe: Annotated[Ints, "probes", 2]  # two rows, the second counter-clockwise of the first
     probe_arm: Annotated[Floats, "probes", 2]  # where they meet
     probe_reach: Annotated[Floats, "probes"]  # how far the prior corner may lie off
-    plain: Annotated[Floats, "N", 7]  # rooms of four directions (``plain``)
+    plain: Annotated[Floats, "N", 11]  # rooms of four directions (``plain``)
     slots: Block  # in memory
 
 
@@ -110,10 +110,11 @@ class Plan(NamedTuple):
     line_first: Ints  # (B + 1,) each bin's lines, by offset
     line_offset: Floats  # (Q,)
     line_room: Ints  # (Q,)
-    plain: Table  # (M, 11) rooms of four directions (``plain``)
+    plain: Table  # (M, 16) rooms of four directions (``plain``)
     width: Table  # (2, M) their widths, NaN of those that have not four planes
     cells: Ints  # (2,) of a map of the plan (``ground``): words of 64 cells a row, rows
     corner: Floats  # (3,) where it begins, x and y in metres, and how many cells a metre has
+    home: Shorts  # by storey and cell: the plain room whose centre is there, or -1 (``homes``)
     turns: Floats  # (2,) lowest and highest direction of a wall from the first's, modulo a quarter
     widest: int  # most planes of one room
     strand_first: Ints  # (M + 1,) strands of a room of many walls (``strands``), by direction

@@ -12,9 +12,10 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import explain
+from situgraph.matching.homes import explain_at_home
 from situgraph.matching.lookup import Reach, find
 from situgraph.matching.pairing import add_option, contested, pair_up
-from situgraph.matching.slack import Slack, wrapped
+from situgraph.matching.slack import Slack, residuals
 from situgraph.matching.steady import is_steady, keep_steady, recall_steady
 from situgraph.matching.tables import FIT, MISSING, MOVED
 
@@ -60,6 +61,7 @@ def _gather(case, spot, at, slack, recalls, keeps):
     """The options of all rooms, and the planes of their first ones; returns how many are steady."""
     seen, task, finder, options = case.seen, case.task, case.finder, case.options
     yaw, c, s, x, y, recalled = at.yaw, at.cos, at.sin, at.px, at.py, 0
+    strict = at.turn == 0.0 and at.spread == 0.0
     for r in range(len(seen.storey)):
         options.count[r] = 0
         storey = task.storeys[seen.storey[r]]
@@ -69,7 +71,10 @@ def _gather(case, spot, at, slack, recalls, keeps):
         rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
         if recalls and is_steady(case, r, storey, yaw, rx, ry):
             recall_steady(case, spot, r)
+            _measure(case, spot, r, yaw, rx, ry)
             recalled += 1
+            continue
+        if strict and explain_at_home(case, spot, r, storey, yaw, rx, ry):
             continue
         found = find(case, r, storey, at, True)
         for k in range(found):
@@ -80,6 +85,8 @@ def _gather(case, spot, at, slack, recalls, keeps):
                     add_option(case, r, a, score)
                     if options.room[r, 0] == a:
                         _note(case, spot, r)
+        if options.count[r] > 0:
+            _measure(case, spot, r, yaw, rx, ry)
         if keeps:
             keep_steady(case, spot, r, storey, yaw, rx, ry)
     return recalled
@@ -87,37 +94,42 @@ def _gather(case, spot, at, slack, recalls, keeps):
 
 @part
 def _pair(case, spot, at, slack):
-    """Give each room one of its options, and measure its planes; returns how many have one."""
-    view, seen, plan, options = spot, case.seen, case.plan, case.options
+    """Give each room one of its options; returns how many have one."""
+    view, seen, options = spot, case.seen, case.options
     yaw, c, s, x, y = at.yaw, at.cos, at.sin, at.px, at.py
     count = pair_up(case, view.room)
     for r in range(len(seen.storey)):
         a = view.room[r]
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
-        if a >= 0 and a != options.room[r, 0]:
-            explain(case, r, a, yaw, rx, ry, slack)
-            _note(case, spot, r)
-        for i in range(seen.first[r], seen.first[r + 1]):
-            if a < 0:
+        if a < 0:
+            for i in range(seen.first[r], seen.first[r + 1]):
                 view.state[i] = -1
                 view.row[i] = -1
-            elif view.row[i] >= 0:
-                j = view.row[i]
-                view.bend[i] = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
-                reach = plan.row[j, 0] * rx + plan.row[j, 1] * ry + plan.row[j, 2]
-                view.offset[i] = seen.distance[i] - reach
+        elif a != options.room[r, 0]:
+            cx, cy = seen.center[r, 0], seen.center[r, 1]
+            rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
+            explain(case, r, a, yaw, rx, ry, slack)
+            _note(case, spot, r)
+            _measure(case, spot, r, yaw, rx, ry)
     return count
 
 
 @part
 def _note(case, spot, r):
+    """Note how room ``r`` has been explained."""
     view = spot
     seen, bench = case.seen, case.bench
     begin = seen.first[r]
     for i in range(begin, seen.first[r + 1]):
         view.row[i] = bench.kept[i - begin]
         view.state[i] = bench.state[i - begin]
+
+
+@part
+def _measure(case, spot, r, yaw, x, y):
+    """Measure the planes of room ``r``, whose centre is at ``(x, y)``."""
+    for i in range(case.seen.first[r], case.seen.first[r + 1]):
+        if spot.row[i] >= 0:
+            spot.bend[i], spot.offset[i] = residuals(case, i, spot.row[i], yaw, x, y)
 
 
 @part
@@ -174,13 +186,14 @@ def count_planes(case, spot):
 
 @part
 def tally_planes(case, spot):
-    """Count the occurrences of each distinct plane by state, and sum their squared residuals."""
-    view = spot
-    seen, tally = case.seen, case.tally
+    """Count the occurrences of each distinct plane by state, and sum their squared residuals.
+
+    Returns how often a plane is moved.
+    """
+    view, seen, tally, moved = spot, case.seen, case.tally, 0
     for p in range(seen.planes):
         tally.missing[p] = 0
-        for k in range(9):
-            tally.sums[p, k] = 0.0
+        tally.sums[p, 0] = tally.sums[p, 1] = tally.sums[p, 2] = tally.sums[p, 3] = 0.0
     for i in range(len(view.state)):
         p = seen.plane[i]
         if view.state[i] == FIT:
@@ -188,12 +201,17 @@ def tally_planes(case, spot):
             tally.sums[p, 1] += view.offset[i] * view.offset[i]
             tally.sums[p, 2] += view.bend[i] * view.bend[i]
         elif view.state[i] == MOVED:
+            moved += 1
+            if tally.sums[p, 3] == 0:
+                for k in range(4, 9):
+                    tally.sums[p, k] = 0.0
             tally.sums[p, 3] += 1
             tally.sums[p, 4] += view.bend[i] * view.bend[i]
             tally.sums[p, 5] += view.offset[i]
             tally.sums[p, 6] = view.row[i]
         elif view.state[i] == MISSING:
             tally.missing[p] += 1
+    return moved
 
 
 @part
@@ -201,22 +219,27 @@ def evidence(case, spot):
     """L of the walls: distinct planes, and rooms explained or not."""
     view = spot
     seen, limits, tally = case.seen, case.limits, case.tally
-    tally_planes(case, spot)
-    total = 0.0
+    total, often = 0.0, tally_planes(case, spot)
     for p in range(seen.planes):
         fits, moved = tally.sums[p, 0], tally.sums[p, 3]
         if fits > 0:
-            total += limits.fit_peak - tally.sums[p, 1] / fits * limits.plane_weight
-            total -= tally.sums[p, 2] / fits * limits.angle_weight
+            total += limits.fit_peak - _mean(tally.sums[p, 1], fits) * limits.plane_weight
+            total -= _mean(tally.sums[p, 2], fits) * limits.angle_weight
         elif moved > 0:
-            total += limits.moved_base - tally.sums[p, 4] / moved * limits.angle_weight
+            total += limits.moved_base - _mean(tally.sums[p, 4], moved) * limits.angle_weight
         elif tally.missing[p] > 0:
             total += limits.missing
             continue
         total += tally.missing[p] * limits.missing_shared
     for r in range(len(view.room)):
         total += limits.room_true if view.room[r] >= 0 else limits.room_false
-    return total + _moved_together(case)
+    return total + _moved_together(case) if often > 1 else total
+
+
+@part
+def _mean(total, count):
+    """The mean of so many; most often it is one."""
+    return total if count == 1.0 else total / count
 
 
 @part
