@@ -154,8 +154,7 @@ def print_solutions(solutions: list[dict[str, Any]], count: int) -> None:
     rows = [
         (
             number,
-            *(f"{s['transform'][axis]:.3f}" for axis in "xyz"),
-            f"{math.degrees(s['transform']['yaw']):.2f}",
+            *_place(s["transform"]),
             len(s["rooms"]),
             len(s["planes"]),
             len(s["objects"]),
@@ -171,10 +170,24 @@ def print_solutions(solutions: list[dict[str, Any]], count: int) -> None:
     print_table(f"Placements, map to building (m, deg{more})", columns, rows)
 
 
+def _place(transform: dict[str, float]) -> tuple[str, ...]:
+    return (
+        *(f"{transform[axis]:.3f}" for axis in "xyz"),
+        f"{math.degrees(transform['yaw']):.2f}",
+    )
+
+
 def _print_best(solution: dict[str, Any]) -> None:
     covers = solution.get("also_covers") or {}
     rooms = [(s, a, ", ".join(covers.get(s, ()))) for s, a in solution["rooms"].items()]
     print_table("Rooms of the best", ("online", "prior", "also covers"), rooms)
+    parts = [
+        (len(part["rooms"]), *_place(part["transform"]), f"{part['rms']:.3f}")
+        for part in solution.get("parts", ())
+    ]
+    if parts:
+        header = ("rooms", "x", "y", "z", "yaw", "rms")
+        print_table("Parts of the map, map to building (m, deg)", header, parts)
     if solution["deviations"]:
         moved = [
             (

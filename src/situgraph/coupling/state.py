@@ -21,9 +21,9 @@ from situgraph.coupling.lines import WallLines
 from situgraph.coupling.located import Pairs
 from situgraph.coupling.readings import Reading, doubt, readings
 from situgraph.geometry.poses import Array, Placement, wrap_angle
+from situgraph.matching.bent_solution import Answer, BentSolution
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.result import MatchResult
-from situgraph.matching.solution import Solution
 from situgraph.scenegraph.graph import SceneGraph
 
 Happening = Literal["located", "doubted", "confirmed", "withdrawn"]
@@ -130,7 +130,7 @@ class Locator:
         """How many rooms may be unexplained before the match goes: one of three and more."""
         return 0 if rooms < 3 else max(1, rooms - self._same.least_rooms(rooms))
 
-    def _why(self, held: Solution | None, result: MatchResult) -> str:
+    def _why(self, held: Answer | None, result: MatchResult) -> str:
         if result.verdict == "none":
             return f"nothing in the plan explains what was seen since: {result.reason}"
         best = result.best
@@ -146,12 +146,18 @@ class Locator:
     def _note(self, stamp: float, online: SceneGraph, what: Happening, reason: str) -> None:
         self.events.append(Event(stamp, len(online.rooms), what, reason))
 
-    def _held(self, online: SceneGraph, result: MatchResult) -> Solution | None:
+    def _held(self, online: SceneGraph, result: MatchResult) -> Answer | None:
         """The adopted placement among the solutions of a new match."""
         assert self.pairs is not None
+        adopted = self.pairs.rooms
         middle = np.mean([r.center for r in online.rooms], axis=0) if online.rooms else np.zeros(3)
         for solution in result.solutions:
-            if self._one(solution.transform, self.pairs.placement, middle):
+            if isinstance(solution, BentSolution):
+                both = adopted.keys() & solution.rooms.keys()
+                same = 2 * sum(solution.rooms[r] == adopted[r] for r in both) > len(both)
+            else:
+                same = self._one(solution.transform, self.pairs.placement, middle)
+            if same:
                 return solution
         return None
 
@@ -164,7 +170,7 @@ class Locator:
         )
 
 
-def pairs_of(solution: Solution) -> Pairs:
+def pairs_of(solution: Answer) -> Pairs:
     """What a solution of the match says corresponds."""
     return Pairs(
         solution.transform, solution.rooms, solution.planes, solution.objects, solution.storeys

@@ -38,7 +38,11 @@ BEYOND = msgspec.structs.replace(
         missed=0.2, false=0.15, duplicated=0.1, confused=0.05, wrong_wall=0.1
     ),
 )
-ERRORS: dict[str, SamplerConfig] = {"covered": COVERED, "beyond": BEYOND}
+# Detection errors and drift beyond the model, walls as it has them.
+ASTRAY = msgspec.structs.replace(
+    COVERED, drift=BEYOND.drift, detection_default=BEYOND.detection_default
+)
+ERRORS: dict[str, SamplerConfig] = {"covered": COVERED, "astray": ASTRAY, "beyond": BEYOND}
 LISTED = 20  # solutions of a trial whose probabilities are kept
 FOREIGN_SHARE = 0.01  # the definition's prior for 'not in this plan'
 # Walls that differ less than this are the same to a robot whose walls are 3 to 6 cm off.
@@ -95,6 +99,7 @@ def solve_trial(task: Mapping[str, Any]) -> dict[str, Any]:
         "congruent": foreign and congruent(sample, building, index),
         "admissible": not foreign and judge.admissible(result),
         "outcome": outcome,
+        "rooms_right": judge.rooms_right(result),
         "certified": result.certified,
         "complete": result.complete,
         "said": _said(result, judge, foreign),
@@ -105,7 +110,7 @@ def solve_trial(task: Mapping[str, Any]) -> dict[str, Any]:
 def _said(result: MatchResult, judge: Judge, foreign: bool) -> list[list[float]]:
     """Probability and truth of each of the first solutions."""
     listed = result.solutions[:LISTED]
-    return [[s.probability, float(not foreign and judge.is_true(s.transform))] for s in listed]
+    return [[s.probability, float(not foreign and judge.is_right(s))] for s in listed]
 
 
 def solve_cross(task: Mapping[str, Any]) -> dict[str, Any]:
@@ -175,6 +180,7 @@ def _as_planned(sample: OnlineSample, building: SceneGraph) -> SceneGraph:
 def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Wrongly unique in trials that the printed model covers, and in those beyond it.
 
+    ``displaced`` are those wrong ones whose rooms are all right (more than 0.3 m off, that is),
     ``expected_wrong`` is what the stated probabilities of the unique ones add up to. Foreign
     robots that saw walls which the plan has as well (``congruent``) are counted apart.
     """
@@ -185,6 +191,7 @@ def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
         away = [r for r in rows if r["errors"] == errors and r["foreign"]]
         summary[f"trials_{errors}"] = {
             **tally(covered),
+            "displaced": sum(r["outcome"] == "wrong" and r["rooms_right"] for r in covered),
             "inadmissible": tally(r for r in mine if not r["admissible"]),
             "foreign": tally(r for r in away if not r["congruent"]),
             "congruent": tally(r for r in away if r["congruent"]),

@@ -16,6 +16,7 @@ SIZES = {
     "growth": (15, 100),
     "oracle_cases": (200, 5_000),
     "trials": (2_000, 20_000),
+    "astray": (1_000, 10_000),
     "beyond": (1_000, 10_000),
     "pairs": (200, 200),
     "share": (100, 500),
@@ -45,8 +46,8 @@ SUMMARIES: Mapping[str, Callable[[list[dict[str, Any]]], dict[str, Any]]] = {
 def run(options: RunOptions) -> ExperimentResult:
     """Compute it; with a folder also draw the figures.
 
-    Extra parameters: ``layouts``, ``growth``, ``oracle_cases``, ``trials``, ``beyond``, ``pairs``,
-    ``share``.
+    Extra parameters: ``layouts``, ``growth``, ``oracle_cases``, ``trials``, ``astray``, ``beyond``,
+    ``pairs``, ``share``.
     """
     size = {
         name: int(options.extra.get(name, sizes[options.full])) for name, sizes in SIZES.items()
@@ -59,6 +60,7 @@ def run(options: RunOptions) -> ExperimentResult:
         *exactness.grid_tasks(options.full),
         *exactness.oracle_tasks(answers),
         *certificate.trial_tasks(seed, size["trials"], "covered"),
+        *certificate.trial_tasks(seed, size["astray"], "astray"),
         *certificate.trial_tasks(seed, size["beyond"], "beyond"),
         *certificate.cross_tasks(seed, size["pairs"]),
         *certificate.share_tasks(seed, size["share"]),

@@ -18,8 +18,9 @@ from situgraph.experiments.oracle.definition import Definition, Policy
 from situgraph.experiments.oracle.explained import Motion, moved_center, view
 from situgraph.experiments.oracle.peaks import optimum
 from situgraph.experiments.oracle.problem import Flags, Problem
-from situgraph.geometry.poses import Placement
-from situgraph.matching import MatchResult
+from situgraph.geometry.poses import Placement, best_placement
+from situgraph.matching import MatchResult, Solution
+from situgraph.matching.bent_solution import Answer, BentSolution
 from situgraph.plan.sample_truth import OnlineSample
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -47,24 +48,55 @@ class Judge:
         """One of ``OUTCOMES``."""
         if result.best is None or result.verdict != "unique":
             return str(result.verdict)
-        return "right" if self.is_true(result.best.transform) else "wrong"
+        return "right" if self.is_right(result.best) else "wrong"
+
+    def is_right(self, solution: Answer) -> bool:
+        """Whether a solution is the true place; of a bent map, whether each part of it is."""
+        if not isinstance(solution, BentSolution):
+            return self.is_true(solution.transform)
+        return all(self._holds_part(part) for part in solution.parts)
+
+    def rooms_right(self, result: MatchResult) -> bool:
+        """Whether all rooms that the best solution explains are those they are."""
+        best, true = result.best, self._truth.rooms
+        return best is not None and all(true.get(r) == a for r, a in best.rooms.items())
+
+    def _holds_part(self, part: Solution) -> bool:
+        """Whether a part lies where the best rigid fit over its own true rooms has it."""
+        room, own = self._problem.online.room_by_id, self._truth.room_placements
+        real = [r for r in part.rooms if r in own]
+        if not real:
+            return False
+        center = np.array([room[r].center[:2] for r in real])
+        truth = best_placement([own[r] for r in real], center, self._truth.placement.z)
+        middle, limits = center.mean(axis=0), self._problem.constants
+        apart = float(np.linalg.norm(part.transform.points(middle) - truth.points(middle)))
+        turned = abs(math.remainder(part.transform.yaw - truth.yaw, 2 * math.pi))
+        return (
+            apart <= limits.same_distance
+            and turned <= limits.same_yaw
+            and abs(part.transform.z - truth.z) <= limits.same_height
+        )
 
     def true_rank(self, result: MatchResult) -> int | None:
         """Which of the solutions is the truth (0 the best), or None."""
         for rank, solution in enumerate(result.solutions):
-            if self.is_true(solution.transform):
+            if self.is_right(solution):
                 return rank
         return None
 
     def admissible(self, *results: MatchResult) -> bool:
         """Whether the truth is a candidate: the printed model holds at the true placement.
 
-        Checked with the definition as the brute force reads it, at the true placement and about it,
-        where least squares lead from there (a bent map has no exact place), and where one of the
-        ``results`` puts it.
+        Of the map as a whole, that is; an answer in parts claims to cover bent maps, so wherever
+        one of the ``results`` is such the truth is admissible. Checked with the definition as the
+        brute force reads it, at the true placement and about it, where least squares lead from
+        there (a bent map has no exact place), and where one of the ``results`` puts it.
         """
         if self._true is None:
             return False
+        if any(isinstance(s, BentSolution) for r in results for s in r.solutions):
+            return True
         known = (self._truth.placement, self._truth.start, *self._truth.room_placements.values())
         starts = [motion_of(self._problem, start) for start in known]
         starts += [

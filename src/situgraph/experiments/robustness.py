@@ -71,6 +71,10 @@ CASES: Mapping[str, Case] = {
     "all of these, likelihood": Case(
         errors=msgspec.structs.replace(REALISTIC, detection=DETECTOR), semantics="likelihood"
     ),
+    **{
+        f"all of these, {rooms} rooms": Case(errors=REALISTIC, seen=(rooms,), planned=4 * rooms)
+        for rooms in (20, 50)
+    },
     "beyond the model: noise 8 cm": Case(errors=_noise(plane_offset_sigma=0.08)),
     "beyond the model: drift 6 deg in 50 m": Case(errors=_noise(drift=math.radians(6) / 50)),
     "beyond the model: walls moved 0.4 to 0.8 m": Case(

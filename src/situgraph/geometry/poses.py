@@ -7,6 +7,7 @@ Angles are radians, lengths metres, frames right-handed with z up. A pose is the
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
@@ -75,6 +76,22 @@ class Placement(msgspec.Struct, frozen=True):
         m[:2, :2] = rotation2(self.yaw)
         m[:3, 3] = (self.x, self.y, self.z)
         return m
+
+
+def best_placement(own: Sequence[Placement], center: Array, z: float) -> Placement:
+    """The placement map -> building nearest to that of each room, by least squares.
+
+    Fitted over the four points 2 m around each room's centre (n, 2) in the map; ``own`` are the
+    rooms' placements.
+    """
+    around = np.array([(2.0, 0.0), (0.0, 2.0), (-2.0, 0.0), (0.0, -2.0)])
+    online = (center[:, None, :] + around).reshape(-1, 2)
+    building = np.concatenate([p.points(c + around) for p, c in zip(own, center)])
+    p, q = online - online.mean(axis=0), building - building.mean(axis=0)
+    yaw = math.atan2(float(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])), float(np.sum(p * q)))
+    turned = Placement(yaw=yaw).points(online.mean(axis=0))
+    x, y = (building.mean(axis=0) - turned).tolist()
+    return Placement(x, y, z, yaw)
 
 
 def pose_to_matrix(pose: ArrayLike) -> Array:

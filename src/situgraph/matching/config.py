@@ -14,6 +14,7 @@ from situgraph.setting import setting
 
 _DESIGN = "DESIGN section 1"
 _MODEL = "docs/matching.md section 4"
+_PARTS = "docs/matching.md, section 12"
 _OBJECTS = "docs/matching.md section 6"
 _DETECTOR = "paper, Table II, with a margin"
 
@@ -96,6 +97,30 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         float,
         setting("The map's heading errs by so much more with each metre", "rad/m", _MODEL, ge=0),
     ] = math.radians(2) / 50
+    part_rooms: Annotated[
+        int,
+        setting(
+            "A bent map is cut into parts of so many rooms at least; 0: never", "1", _PARTS, ge=0
+        ),
+    ] = 4
+    part_gap: Annotated[
+        float,
+        setting("Standard deviation of placements of parts side by side", "m", _PARTS, gt=0),
+    ] = 1.5
+    part_yaw: Annotated[
+        float,
+        setting(
+            "Parts side by side are turned against each other by so much at most",
+            "rad",
+            _PARTS,
+            gt=0,
+            le=0.5,
+        ),
+    ] = math.radians(15)
+    p_bent_part: Annotated[
+        float,
+        setting("A part of a bent map is too bent for one placement", "1", _PARTS, gt=0, lt=1),
+    ] = 0.2
     angle_sigma: Annotated[
         float, setting("Standard deviation of a wall's direction", "rad", _MODEL, gt=0)
     ] = math.radians(2)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from situgraph.matching.bent_solution import Answer
 from situgraph.matching.predictions import (
     FACING,
     Kind,
@@ -21,7 +22,6 @@ from situgraph.matching.predictions import (
     predictions,
     seen_from,
 )
-from situgraph.matching.solution import Solution
 from situgraph.scenegraph.graph import SceneGraph
 
 T = TypeVar("T")
@@ -71,7 +71,7 @@ class Advice(NamedTuple):
 
 
 def advise(
-    solutions: Sequence[Solution],
+    solutions: Sequence[Answer],
     online: SceneGraph,
     prior: SceneGraph,
     *,

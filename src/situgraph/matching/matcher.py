@@ -60,6 +60,23 @@ def match_knowing(
     It must be of a graph with the same storeys, rooms and planes, and of this plan, these settings
     and these semantics.
     """
+    result = _match_whole(online, index, semantics, settings, known)
+    least = settings.part_rooms
+    if result.verdict != "none" or least == 0 or len(result.inputs.kept) < 2 * least:
+        return result
+    from situgraph.matching.bent_result import in_parts
+
+    return in_parts(result, lambda part: _match_whole(part, index, semantics, settings, Known()))
+
+
+def _match_whole(
+    online: SceneGraph,
+    index: PlanIndex,
+    semantics: Semantics,
+    settings: MatchingConfig,
+    known: Known,
+) -> MatchResult:
+    """What one placement explains of all of the map."""
     begin = time.perf_counter()
     announce_compilation(search_all)
     index = index.looked_for(online.modelled_categories)

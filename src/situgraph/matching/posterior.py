@@ -56,14 +56,17 @@ def distinct(peaks, distance, yaw, height):
 
 def log_outside(alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfig) -> float:
     """Ln W of 'not in this plan': another building is made of similar rooms, wall to wall."""
+    tied = int(seen.tied[0]) * math.log1p(config.p_tied * config.shape_gain)
+    return math.log(config.outside_prior) + log_alike(alike, seen, prior_rooms, config) + tied
+
+
+def log_alike(
+    alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfig, probability: float = 1.0
+) -> float:
+    """Ln ratio of rooms that are, with this probability, like those of the plan."""
     gain = config.shape_gain
     shapes, most = zip(alike.tolist(), seen.shape.tolist()), max(prior_rooms, 1)
-    rooms = sum(math.log1p(k / most * gain**shape) for k, shape in shapes if shape > 0)
-    return (
-        math.log(config.outside_prior)
-        + rooms
-        + int(seen.tied[0]) * math.log1p(config.p_tied * gain)
-    )
+    return sum(math.log1p(probability * k / most * gain**shape) for k, shape in shapes if shape > 0)
 
 
 def log_spread(area: float, sigma: float) -> float:

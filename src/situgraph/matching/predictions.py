@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from situgraph.geometry.poses import Placement
-from situgraph.matching.solution import Solution
+from situgraph.matching.bent_solution import Answer
 from situgraph.matching.tables import Floats
 from situgraph.scenegraph.graph import Object, Room, SceneGraph
 
@@ -46,7 +46,7 @@ class Prediction(NamedTuple):
     contents: tuple[tuple[str, int], ...] = ()
 
 
-def predictions(solution: Solution, online: SceneGraph, prior: SceneGraph) -> list[Prediction]:
+def predictions(solution: Answer, online: SceneGraph, prior: SceneGraph) -> list[Prediction]:
     """All that a solution predicts about what was not seen."""
     back = solution.transform.inverse()
     found: list[Prediction] = []
@@ -59,7 +59,7 @@ def predictions(solution: Solution, online: SceneGraph, prior: SceneGraph) -> li
 
 
 def _objects(
-    solution: Solution,
+    solution: Answer,
     online: SceneGraph,
     prior: SceneGraph,
     back: Placement,
@@ -81,7 +81,7 @@ def _objects(
 
 
 def _walls(
-    solution: Solution,
+    solution: Answer,
     online: SceneGraph,
     prior: SceneGraph,
     back: Placement,
@@ -106,7 +106,7 @@ def _walls(
 
 
 def _rooms(
-    solution: Solution, prior: SceneGraph, back: Placement, mine: str, room: Room
+    solution: Answer, prior: SceneGraph, back: Placement, mine: str, room: Room
 ) -> Iterator[Prediction]:
     """The rooms behind the doors of a room; where no door joins two rooms, those behind walls."""
     taken = set(solution.rooms.values())

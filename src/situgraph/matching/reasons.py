@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from situgraph.matching.bent_solution import Answer, BentSolution
+
 if TYPE_CHECKING:
     from situgraph.matching.result import MatchResult
-    from situgraph.matching.solution import Solution
 
 
 def reason(result: MatchResult) -> str:
@@ -46,9 +47,11 @@ def _none(result: MatchResult) -> str:
 
 def _unique(result: MatchResult) -> str:
     best = result.solutions[0]
-    first = f"one placement explains {_share(best, result)}"
+    first = f"{_placement(best)} {_share(best, result)}"
     rival = result.candidate(1)
     if rival is None:
+        if isinstance(best, BentSolution):
+            return f"{first}; no others go on from one another"
         least, rooms, _ = result.figures
         return f"{first}; no other one explains at least {least} of {rooms}"
     odds = best.probability / rival.probability if rival.probability > 0 else math.inf
@@ -60,16 +63,24 @@ def _ambiguous(result: MatchResult) -> str:
     chance = f"{100 * best.probability:.3g} %"
     if result.count == 1:
         if not result.complete:
-            return f"one placement explains {_share(best, result)}, but the search was cut short"
+            return f"{_placement(best)} {_share(best, result)}, but the search was cut short"
         mirror = result.probability_mirrored
         if mirror > result.probability_outside / 2:
             return (
-                f"one placement explains {_share(best, result)}, but the mirror image of what was "
+                f"{_placement(best)} {_share(best, result)}, but the mirror image of what was "
                 f"seen fits the plan better: the plan may be mirrored ({100 * mirror:.3g} %)"
+            )
+        if (
+            isinstance(best, BentSolution)
+            and best.probability >= result.inputs.config.unique_probability
+        ):
+            return (
+                f"{_placement(best)} {_share(best, result)}, but none of the parts is sure to be "
+                "there by itself"
             )
         outside = f"{100 * result.probability_outside:.3g} %"
         return (
-            f"one placement explains {_share(best, result)} with probability {chance}, which is "
+            f"{_placement(best)} {_share(best, result)} with probability {chance}, which is "
             f"not enough; not in this plan has {outside}"
         )
     second = result.solutions[1]
@@ -80,7 +91,20 @@ def _ambiguous(result: MatchResult) -> str:
     )
 
 
-def _share(solution: Solution, result: MatchResult) -> str:
+def _placement(solution: Answer) -> str:
+    """``one placement explains``, or one for each part."""
+    if not isinstance(solution, BentSolution):
+        return "one placement explains"
+    count = len(solution.parts)
+    if count == 1:
+        return "one placement of a part of the map explains"
+    return (
+        f"the map is bent: placements of {count} parts of it, turned against each other by "
+        f"{math.degrees(solution.bend):.2g} deg, explain"
+    )
+
+
+def _share(solution: Answer, result: MatchResult) -> str:
     """``6 of 6 rooms with two moved walls``."""
     text = f"{len(solution.rooms)} of {result.figures[1]} rooms"
     moved = solution.moved

@@ -6,6 +6,7 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from situgraph.matching.bent_solution import Answer
 from situgraph.matching.posterior import Posterior, Verdict
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.solution import Solution
@@ -42,9 +43,9 @@ class MatchResult:
     def __init__(self, inputs: Inputs, found: Found, seconds: tuple[float, float]) -> None:
         """Keep what the search found; ``seconds``: of the search, and of all."""
         self._inputs = inputs
-        self._found = found
         self._posterior = found.posterior
-        self._seconds = seconds
+        self.found = found
+        self.seconds = seconds
         self.verdict: Verdict = found.posterior.verdict
         self.probability_outside = found.posterior.outside
         self.complete = found.complete
@@ -72,12 +73,12 @@ class MatchResult:
         return self.count > self._inputs.config.max_solutions
 
     @cached_property
-    def solutions(self) -> tuple[Solution, ...]:
+    def solutions(self) -> tuple[Answer, ...]:
         """The solutions, best first, ``max_solutions`` at most."""
         listed = min(self.count, self._inputs.config.max_solutions)
         return tuple(Solution(self._inputs, self._posterior, k) for k in range(listed))
 
-    def candidate(self, rank: int) -> Solution | None:
+    def candidate(self, rank: int) -> Answer | None:
         """The candidate of this rank, whether a solution or not; None when there are fewer."""
         if rank >= len(self._posterior.candidate):
             return None
@@ -89,7 +90,18 @@ class MatchResult:
 
         0 where it could not have changed the verdict and was not worked out.
         """
-        return math.exp(self._found.log_mirror)
+        return math.exp(self.found.log_mirror)
+
+    @property
+    def alike(self) -> Ints:
+        """(N,) how many prior rooms explain each online room in isolation."""
+        return self.found.alike
+
+    @property
+    def log_outside(self) -> float:
+        """Ln of the weight of 'not in this plan'."""
+        chance = self._posterior.outside
+        return self._posterior.total + (math.log(chance) if chance > 0 else -math.inf)
 
     @property
     def inputs(self) -> Inputs:
@@ -109,7 +121,7 @@ class MatchResult:
         return inputs.config.least_rooms(rooms), rooms, inputs.index.rooms
 
     @property
-    def best(self) -> Solution | None:
+    def best(self) -> Answer | None:
         """The most probable solution; None when the verdict is none."""
         return self.solutions[0] if self.solutions else None
 
@@ -156,17 +168,17 @@ class MatchResult:
     def stats(self) -> dict[str, Any]:
         """Counts and times of the search, as in the match JSON."""
         inputs = self._inputs
-        search, total = self._seconds
+        search, total = self.seconds
         return {
             "rooms_online": len(inputs.kept),
             "rooms_prior": inputs.index.rooms,
             "semantics": inputs.semantics,
-            "room_candidates": room_candidates(inputs, self._found.alike),
+            "room_candidates": room_candidates(inputs, self.found.alike),
             "plane_candidates": plane_candidates(
                 inputs, self._posterior.shift, self._posterior.candidate[:, 1:4]
             ),
-            "hypotheses": int(self._found.done[1]),
-            "boxes": int(self._found.done[2]),
+            "hypotheses": int(self.found.done[1]),
+            "boxes": int(self.found.done[2]),
             "candidates": self.candidates,
             "seconds": {"index": inputs.index.seconds, "search": search, "total": total},
             "complete": self.complete,

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
 import msgspec
 import numpy as np
 
@@ -64,19 +61,3 @@ def room_motions(frame: Placement, walk: Walk, center: Array, bend: float) -> Ro
     x, y = center[walk.order, 0], center[walk.order, 1]
     turned = np.stack([c * x - s * y, s * x + c * y], axis=1)
     return RoomMotions(yaw, place[entered] - turned, walked[entered])
-
-
-def best_placement(own: Sequence[Placement], center: Array, z: float) -> Placement:
-    """The placement map -> building nearest to that of each room, by least squares.
-
-    Fitted over the four points 2 m around each room's centre (n, 2) in the map; ``own`` are the
-    rooms' placements.
-    """
-    around = np.array([(2.0, 0.0), (0.0, 2.0), (-2.0, 0.0), (0.0, -2.0)])
-    online = (center[:, None, :] + around).reshape(-1, 2)
-    building = np.concatenate([p.points(c + around) for p, c in zip(own, center)])
-    p, q = online - online.mean(axis=0), building - building.mean(axis=0)
-    yaw = math.atan2(float(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])), float(np.sum(p * q)))
-    turned = Placement(yaw=yaw).points(online.mean(axis=0))
-    x, y = (building.mean(axis=0) - turned).tolist()
-    return Placement(x, y, z, yaw)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import msgspec
 import numpy as np
 
-from situgraph.plan.sample_motion import best_placement
+from situgraph.geometry.poses import best_placement
 from situgraph.plan.sample_truth import OnlineSample, SampleTruth
 from situgraph.scenegraph.graph import SceneGraph
 

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from situgraph.errors import InputError
-from situgraph.geometry.poses import Placement
+from situgraph.geometry.poses import Placement, best_placement
 from situgraph.plan.exploration import RoomLinks
 from situgraph.plan.sample_draft import Draft, finished
 from situgraph.plan.sample_false import add_false_rooms
-from situgraph.plan.sample_motion import best_placement, room_motions
+from situgraph.plan.sample_motion import room_motions
 from situgraph.plan.sample_objects import add_objects
 from situgraph.plan.sample_prior import prior_arrays
 from situgraph.plan.sample_truth import OnlineSample

@@ -11,7 +11,6 @@ import numpy as np
 
 from situgraph.geometry.poses import Array
 from situgraph.scenegraph.graph import Object, SceneGraph
-from situgraph.scenegraph.transform import transformed
 from situgraph.view import palette
 from situgraph.view.config import ViewConfig
 from situgraph.view.floors import Building, Floor, Shape, cropped, survey
@@ -19,6 +18,7 @@ from situgraph.view.glyphs import glyphs
 from situgraph.view.lettering import metres
 from situgraph.view.names import draw_names
 from situgraph.view.pen import CUT, UNDER, draw_floor, draw_path, fill_polygons, open_edges, strokes
+from situgraph.view.placed import placed
 from situgraph.view.record import Solution
 from situgraph.view.sheet import Bounds
 
@@ -75,7 +75,7 @@ def lay_over(
     prior: Building, online: SceneGraph, solution: Solution, config: ViewConfig
 ) -> Overlay:
     """Move the online graph into the building frame and sort it onto the prior's storeys."""
-    moved = survey(transformed(online, solution.transform), config)
+    moved = survey(placed(online, solution), config)
     order = [r.id for r in online.rooms if r.id in solution.rooms]
     colors = {id: palette.MATCH[i % len(palette.MATCH)] for i, id in enumerate(order)}
     plan_colors = {}

@@ -24,6 +24,13 @@ class Deviation(msgspec.Struct, frozen=True):
     sigma: float | None = None
 
 
+class Part(msgspec.Struct, frozen=True):
+    """Online rooms of a bent map, and the placement that is theirs."""
+
+    rooms: tuple[str, ...]
+    transform: Placement
+
+
 class Solution(msgspec.Struct, frozen=True):
     """A placement of the online graph in the prior one; mappings go from S-ids to A-ids."""
 
@@ -37,6 +44,7 @@ class Solution(msgspec.Struct, frozen=True):
     probability: float | None = None
     rms: float | None = None
     deviations: tuple[Deviation, ...] = ()
+    parts: tuple[Part, ...] = ()
 
 
 class Advice(msgspec.Struct, frozen=True):

@@ -1,0 +1,115 @@
+"""What a match answers of a map that is bent: a placement for each part of it.
+
+Definition, section 12 of ``docs/matching.md``.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from situgraph.matching.bent_map import CUTS, FARTHEST, Chain, Part, chains_of, parts_of
+from situgraph.matching.bent_solution import Answer, BentSolution
+from situgraph.matching.result import MatchResult
+from situgraph.scenegraph.graph import SceneGraph
+
+
+def in_parts(whole: MatchResult, solve: Callable[[SceneGraph], MatchResult]) -> MatchResult:
+    """The answer for the parts of a map, or as it was where they do not explain enough of it.
+
+    ``solve`` matches the graph of a part.
+    """
+    begin = time.perf_counter()
+    for cut in CUTS:
+        parts = parts_of(whole, solve, cut)
+        chains = [
+            chain
+            for chain in chains_of(parts, whole.inputs.config)
+            if 2 * sum(len(parts[p].rooms) for p in chain.links) >= len(whole.inputs.kept)
+        ]
+        seconds = time.perf_counter() - begin
+        if chains and (found := BentResult(whole, parts, chains, seconds)).verdict != "none":
+            return found
+    return whole
+
+
+class BentResult(MatchResult):
+    """The answer where no placement explains the map as a whole, but placements of its parts do."""
+
+    def __init__(
+        self, whole: MatchResult, parts: list[Part], chains: list[Chain], seconds: float
+    ) -> None:
+        """``whole`` is the answer for all rooms at once, ``chains`` are best first.
+
+        ``seconds`` were spent on the parts.
+        """
+        search, total = whole.seconds
+        super().__init__(whole.inputs, whole.found, (search + seconds, total + seconds))
+        self.parts = parts
+        top = max(chains[0].weight, whole.log_outside)
+        share = np.exp([chain.weight - top for chain in chains])
+        away = math.exp(whole.log_outside - top)
+        total = float(share.sum()) + away
+        self._chains = list(zip(chains, (share / total).tolist()))
+        self.probability_outside = away / total
+        self.complete = all(part.complete for part in parts)
+        config = whole.inputs.config
+        self._count = int(np.count_nonzero(share >= config.rival_ratio * share[0]))
+        self.verdict = "ambiguous"
+        if away > share.sum():
+            self.verdict, self._count = "none", 0
+        elif (
+            self.complete
+            and self._count == 1
+            and share[0] >= config.unique_probability * total
+            and any(parts[p].result.unique for p in chains[0].links)
+        ):
+            self.verdict = "unique"
+
+    @property
+    def count(self) -> int:
+        """How many solutions there are."""
+        return self._count
+
+    @property
+    def candidates(self) -> int:
+        """How many chains of placements explain enough rooms."""
+        return len(self._chains)
+
+    @cached_property
+    def solutions(self) -> tuple[Answer, ...]:
+        """The solutions, best first."""
+        listed = min(self.count, self.inputs.config.max_solutions)
+        return tuple(self._solution(k) for k in range(listed))
+
+    def candidate(self, rank: int) -> Answer | None:
+        """The chain of this rank, whether a solution or not; None when there are fewer."""
+        return self._solution(rank) if rank < len(self._chains) else None
+
+    def _solution(self, rank: int) -> BentSolution:
+        chain, probability = self._chains[rank]
+        return BentSolution(
+            tuple(chain.links.values()), self.inputs.online, probability, chain.weight
+        )
+
+    @cached_property
+    def stats(self) -> dict[str, Any]:
+        """As of the whole map, with what the search of the parts adds."""
+        whole, own = super().stats, [part.result.stats for part in self.parts]
+        sums = {k: whole[k] + sum(s[k] for s in own) for k in ("hypotheses", "boxes")}
+        return {**whole, **sums, "parts": len(own)}
+
+    @property
+    def model(self) -> str:
+        """What the search assumes."""
+        config = self.inputs.config
+        return (
+            f"{super().model}; or parts of at least {config.part_rooms} rooms in one place each, "
+            f"which hold half of all and lie up to {FARTHEST * config.part_gap:g} m and "
+            f"{math.degrees(config.part_yaw):g} deg apart"
+        )
