@@ -46,7 +46,7 @@ ERRORS: dict[str, SamplerConfig] = {"covered": COVERED, "astray": ASTRAY, "beyon
 LISTED = 20  # solutions of a trial whose probabilities are kept
 FOREIGN_SHARE = 0.01  # the definition's prior for 'not in this plan'
 # Walls that differ less than this are the same to a robot whose walls are 3 to 6 cm off.
-EXACT = MatchingConfig(min_share=1.0, plane_offset_tolerance=0.1, moved_limit=0.101)
+EXACT = MatchingConfig(min_share=1.0, plane_offset_tolerance=0.1, moved_limit=0.101, part_rooms=0)
 
 
 def trial_tasks(seed: int, trials: int, errors: str) -> Iterator[dict[str, Any]]:
@@ -55,15 +55,24 @@ def trial_tasks(seed: int, trials: int, errors: str) -> Iterator[dict[str, Any]]
 
 
 def cross_tasks(seed: int, pairs: int) -> Iterator[dict[str, Any]]:
-    """A robot from another building of the same kind, and from the mirrored one."""
+    """A robot from another building of the same kind, and from the mirrored one.
+
+    Large maps are bent, so they may be placed in parts.
+    """
     kinds = typing.get_args(Kind)
-    for part in ("foreign", "mirrored"):
+    for part, planned, rooms in (
+        ("foreign", 12, (3, 4, 6, 8)),
+        ("mirrored", 12, (3, 4, 6, 8)),
+        ("foreign_large", 60, (12, 16, 20, 30)),
+        ("mirrored_large", 60, (12, 16, 20, 30)),
+    ):
         for number in range(pairs):
             for semantics in ("none", "likelihood"):
                 yield {
                     "part": part,
                     "kind": kinds[number % len(kinds)],
-                    "seen": (3, 4, 6, 8)[number // len(kinds) % 4],
+                    "planned": planned,
+                    "seen": rooms[number // len(kinds) % 4],
                     "semantics": semantics,
                     "seed": seed + number,
                 }
@@ -115,11 +124,11 @@ def _said(result: MatchResult, judge: Judge, foreign: bool) -> list[list[float]]
 
 def solve_cross(task: Mapping[str, Any]) -> dict[str, Any]:
     """A robot where the plan is not that of its building."""
-    building = make_layout(task["kind"], 12, 2 * task["seed"])
-    if task["part"] == "mirrored":
+    building = make_layout(task["kind"], task["planned"], 2 * task["seed"])
+    if task["part"].startswith("mirrored"):
         prior = mirrored(building)
     else:
-        prior = make_layout(task["kind"], 12, 2 * task["seed"] + 1)
+        prior = make_layout(task["kind"], task["planned"], 2 * task["seed"] + 1)
     index = PlanIndex(prior)
     sample = sample_online(building, task["seen"], task["seed"], COVERED)
     result = match(sample.online, index, semantics=task["semantics"])

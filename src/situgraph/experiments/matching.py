@@ -29,6 +29,8 @@ SOLVERS: Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {
     "trial": certificate.solve_trial,
     "foreign": certificate.solve_cross,
     "mirrored": certificate.solve_cross,
+    "foreign_large": certificate.solve_cross,
+    "mirrored_large": certificate.solve_cross,
     "share": certificate.solve_share,
 }
 SUMMARIES: Mapping[str, Callable[[list[dict[str, Any]]], dict[str, Any]]] = {
@@ -39,6 +41,8 @@ SUMMARIES: Mapping[str, Callable[[list[dict[str, Any]]], dict[str, Any]]] = {
     "trial": certificate.summarise_trials,
     "foreign": certificate.summarise_cross,
     "mirrored": certificate.summarise_cross,
+    "foreign_large": certificate.summarise_cross,
+    "mirrored_large": certificate.summarise_cross,
     "share": certificate.summarise_share,
 }
 
