@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from defusedxml.ElementTree import fromstring
+from matplotlib.text import Text
 from tests.view.buildings import ambiguous, match_of, office, seen
 from tests.view.test_plan import texts
 
@@ -31,6 +33,17 @@ def test_verdict_and_reason_are_the_title() -> None:
     assert "Log in Office: unique" in found
     assert "one placement explains 3 of 4 rooms" in found
     assert any("99.91 %" in t for t in found)
+
+
+def test_a_long_title_fits_its_page() -> None:
+    name = "a building whose name is long"
+    prior = msgspec.structs.replace(office(), name=name)
+    online = msgspec.structs.replace(seen(prior, ROOMS), name=name)
+    figure = draw_match(match_of(online), online, prior, config=ViewConfig(page_width=7.0))
+    figure.canvas.draw()
+    title = max(figure.findobj(Text), key=lambda text: float(text.get_fontsize()))
+    assert name in title.get_text()
+    assert title.get_window_extent().x1 <= figure.bbox.x1
 
 
 def test_matched_rooms_have_one_colour_in_both_graphs() -> None:

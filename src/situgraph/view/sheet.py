@@ -39,6 +39,7 @@ _GAP = 0.3  # inch, between panels
 _CAPTION = 0.34  # inch, above a panel
 _SUBTITLE_LINE = 0.19  # inch
 _TITLE = 18.0  # point
+_LEAST_TITLE = 11.0
 _SUBTITLE = 9.0
 _NAME = 10.5
 _NOTE = 8.0
@@ -199,7 +200,9 @@ def _page(figure: Figure, width: float, height: float) -> Axes:
 
 def _head(page: Axes, content: Page, words: Sequence[str], height: float) -> None:
     y = height - MARGIN - 0.18
-    write(page, MARGIN, y, plain(content.title, 70), _TITLE, content.color)
+    title, room = plain(content.title, 70), (page.get_xlim()[1] - 2.0 * MARGIN) * _POINTS
+    size = min(_TITLE, max(_LEAST_TITLE, _TITLE * room / max(width(title, _TITLE), 1e-9)))
+    write(page, MARGIN, y, title, size, content.color)
     for i, line in enumerate(words):
         write(page, MARGIN, y - 0.36 - _SUBTITLE_LINE * i, line, _SUBTITLE, palette.MUTED)
 
