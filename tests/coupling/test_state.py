@@ -11,8 +11,10 @@ from tests.coupling.plans import PRIOR
 from situgraph.coupling.state import Locator, unexplained
 from situgraph.geometry.poses import Placement
 from situgraph.matching import Matcher, MatchResult, PlanIndex
+from situgraph.matching.bent_result import BentResult
+from situgraph.plan.layouts import make_layout
 from situgraph.plan.sample_prefix import first_rooms
-from situgraph.plan.sampler import Sampler
+from situgraph.plan.sampler import Sampler, sample_online
 from situgraph.plan.sampler_config import PAPER_DETECTOR, REALISTIC, SamplerConfig
 from situgraph.scenegraph.graph import SceneGraph
 from situgraph.scenegraph.transform import transformed
@@ -118,3 +120,21 @@ def test_rooms_that_are_none_of_the_plan_are_named() -> None:
         for r in graph.rooms
     )
     assert unexplained(graph.replace(rooms=far), PRIOR, locator.pairs, config) == (room.id,)
+
+
+@pytest.mark.parametrize("seed", [0, 3, 4])
+def test_a_map_that_bends_as_it_grows_stays_where_it_is(seed: int) -> None:
+    prior = make_layout("random", 100, seed)
+    sample = sample_online(prior, 30, seed, REALISTIC)
+    entered = {room: k for k, room in enumerate(sample.truth.order)}
+    rooms = sorted((r for r in sample.online.rooms if r.id in entered), key=lambda r: entered[r.id])
+    locator = Locator(Matcher(PlanIndex(prior)), prior)
+    bent = 0
+    for seen in range(4, len(rooms) + 1, 2):
+        online = sample.online.replace(rooms=tuple(rooms[:seen]))
+        bent += isinstance(locator.update(online, float(seen)), BentResult)
+        if locator.pairs is not None:
+            assert all(sample.truth.rooms[r] == a for r, a in locator.pairs.rooms.items())
+    assert bent >= 1
+    assert locator.located
+    assert "withdrawn" not in [event.happening for event in locator.events]
