@@ -16,6 +16,7 @@ from situgraph.geometry.poses import Placement, best_placement
 from situgraph.matching import MatchingConfig
 from situgraph.matching.bent_result import BentResult
 from situgraph.matching.bent_solution import BentSolution
+from situgraph.matching.explanation import explain_pair
 from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sample_truth import OnlineSample
@@ -179,3 +180,25 @@ def test_the_best_of_equal_placements_is_theirs(
     found = best_placement([place] * len(centers), np.array(centers), 1.0)
     assert abs(math.remainder(found.yaw - yaw, 2 * math.pi)) < 1e-9
     assert np.allclose((found.x, found.y, found.z), (x, y, 1.0), atol=1e-6)
+
+
+def test_a_room_that_is_left_out_is_explained() -> None:
+    prior, sample = seen("random", 100, 30, 4)
+    result = sg.match(sample.online, prior)
+    assert isinstance(result, BentResult)
+    best = result.best
+    assert best is not None
+    left = [r for r in sample.truth.rooms if result.left_out(r)]
+    assert left
+    assert not set(left) & set(best.rooms)
+    found = [explain_pair(result, r, sample.truth.rooms[r]) for r in left]
+    assert any("fits nowhere beside the other parts" in e.sentence for e in found)
+    for room, planned in best.rooms.items():
+        assert explain_pair(result, room, planned).stage == "matched"
+
+
+def test_none_says_that_parts_were_tried() -> None:
+    _, sample = seen("random", 60, 20, 0)
+    result = sg.match(sample.online, make_layout("random", 60, 1))
+    assert result.verdict == "none"
+    assert "nor do parts of the map by themselves" in result.reason

@@ -71,6 +71,14 @@ class BentResult(MatchResult):
         ):
             self.verdict = "unique"
 
+    def left_out(self, room: str) -> int:
+        """How many rooms the part with this one has, where the best chain does not place it."""
+        online, placed = self.inputs.online, self._chains[0][0].links
+        for k, part in enumerate(self.parts):
+            if k not in placed and any(online.rooms[r].id == room for r in part.rooms):
+                return len(part.rooms)
+        return 0
+
     @property
     def count(self) -> int:
         """How many solutions there are."""

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from situgraph.geometry.poses import Placement
+from situgraph.matching.bent_result import BentResult
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.result import MatchResult
 from situgraph.matching.tables import explaining
@@ -50,6 +51,9 @@ def explain_pair(result: MatchResult, mine: str, theirs: str) -> Explanation:
     dropped = _by_type(inputs, one, two) or _by_objects(inputs, one, two)
     if dropped is not None:
         return dropped
+    if isinstance(result, BentResult) and (left := result.left_out(mine)):
+        text = f"it is in a part of the map ({left} rooms) that fits nowhere beside the other parts"
+        return Explanation("placement", text)
     places = _alone(inputs, one, two)
     if not places:
         held = _by_faces(inputs, one, two)
