@@ -22,6 +22,7 @@ from situgraph.scenegraph.graph import SceneGraph
 
 Cut = Literal["across", "along"]  # the direction in which most rooms lie
 CUTS: tuple[Cut, ...] = ("across", "along")
+Solve = Callable[[SceneGraph, bool], MatchResult]  # a part; whether the plan may be mirrored
 Chosen = dict[int, tuple[int, float]]  # of parts: which candidate, and what its gap costs
 Gap = tuple[float, float, float]  # how far two parts are apart, and the point between them
 Gaps = dict[tuple[int, int], Gap]
@@ -86,9 +87,7 @@ class Chain:
         return {r: a for link in self.links.values() for r, a in link.rooms.items()}
 
 
-def parts_of(
-    whole: MatchResult, solve: Callable[[SceneGraph], MatchResult], cut: Cut
-) -> list[Part]:
+def parts_of(whole: MatchResult, solve: Solve, cut: Cut) -> list[Part]:
     """Halves of the map, those of which nothing fits halved again, while they have enough rooms."""
     inputs = whole.inputs
     online, least = inputs.online, inputs.config.part_rooms
@@ -98,7 +97,7 @@ def parts_of(
     while waiting:
         rows = waiting.pop(0)
         rooms = tuple(int(inputs.kept[k]) for k in rows)
-        result = solve(online.replace(rooms=tuple(online.rooms[k] for k in rooms)))
+        result = solve(online.replace(rooms=tuple(online.rooms[k] for k in rooms)), False)
         if result.verdict == "none" and len(rows) >= 2 * least:
             waiting[:0] = _halves(rows, center, "across")
         else:

@@ -7,23 +7,18 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from situgraph.matching.bent_map import CUTS, FARTHEST, Chain, Part, chains_of, parts_of
+from situgraph.matching.bent_map import CUTS, FARTHEST, Chain, Part, Solve, chains_of, parts_of
 from situgraph.matching.bent_solution import Answer, BentSolution
 from situgraph.matching.result import MatchResult
-from situgraph.scenegraph.graph import SceneGraph
 
 
-def in_parts(whole: MatchResult, solve: Callable[[SceneGraph], MatchResult]) -> MatchResult:
-    """The answer for the parts of a map, or as it was where they do not explain enough of it.
-
-    ``solve`` matches the graph of a part.
-    """
+def in_parts(whole: MatchResult, solve: Solve) -> MatchResult:
+    """The answer for the parts of a map, or as it was where they do not explain enough of it."""
     begin = time.perf_counter()
     for cut in CUTS:
         parts = parts_of(whole, solve, cut)
@@ -32,24 +27,27 @@ def in_parts(whole: MatchResult, solve: Callable[[SceneGraph], MatchResult]) -> 
             for chain in chains_of(parts, whole.inputs.config)
             if 2 * sum(len(parts[p].rooms) for p in chain.links) >= len(whole.inputs.kept)
         ]
-        seconds = time.perf_counter() - begin
-        if chains and (found := BentResult(whole, parts, chains, seconds)).verdict != "none":
+        if chains and (found := BentResult(whole, parts, chains)).verdict != "none":
+            if found.unique and not _is_anchored(parts, chains[0], solve):
+                found.verdict = "ambiguous"
+            found.take(time.perf_counter() - begin)
             return found
     return whole
+
+
+def _is_anchored(parts: list[Part], chain: Chain, solve: Solve) -> bool:
+    """Whether some part is unique by itself, its mirror image considered."""
+    unique = [p for p in chain.links if parts[p].result.unique]
+    unique.sort(key=lambda p: (-len(parts[p].rooms), p))
+    return any(solve(parts[p].result.inputs.online, True).unique for p in unique)
 
 
 class BentResult(MatchResult):
     """The answer where no placement explains the map as a whole, but placements of its parts do."""
 
-    def __init__(
-        self, whole: MatchResult, parts: list[Part], chains: list[Chain], seconds: float
-    ) -> None:
-        """``whole`` is the answer for all rooms at once, ``chains`` are best first.
-
-        ``seconds`` were spent on the parts.
-        """
-        search, total = whole.seconds
-        super().__init__(whole.inputs, whole.found, (search + seconds, total + seconds))
+    def __init__(self, whole: MatchResult, parts: list[Part], chains: list[Chain]) -> None:
+        """``whole`` is the answer for all rooms at once, ``chains`` are best first."""
+        super().__init__(whole.inputs, whole.found, whole.seconds)
         self.parts = parts
         top = max(chains[0].weight, whole.log_outside)
         share = np.exp([chain.weight - top for chain in chains])
@@ -63,13 +61,13 @@ class BentResult(MatchResult):
         self.verdict = "ambiguous"
         if away > share.sum():
             self.verdict, self._count = "none", 0
-        elif (
-            self.complete
-            and self._count == 1
-            and share[0] >= config.unique_probability * total
-            and any(parts[p].result.unique for p in chains[0].links)
-        ):
+        elif self.complete and self._count == 1 and share[0] >= config.unique_probability * total:
             self.verdict = "unique"
+
+    def take(self, seconds: float) -> None:
+        """Count the time that was spent on the parts."""
+        search, total = self.seconds
+        self.seconds = search + seconds, total + seconds
 
     def left_out(self, room: str) -> int:
         """How many rooms the part with this one has, where the best chain does not place it."""

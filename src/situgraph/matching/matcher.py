@@ -66,7 +66,10 @@ def match_knowing(
         return result
     from situgraph.matching.bent_result import in_parts
 
-    return in_parts(result, lambda part: _match_whole(part, index, semantics, settings, Known()))
+    def solve(part: SceneGraph, mirror: bool) -> MatchResult:
+        return _match_whole(part, index, semantics, settings, Known(), mirror)
+
+    return in_parts(result, solve)
 
 
 def _match_whole(
@@ -75,8 +78,9 @@ def _match_whole(
     semantics: Semantics,
     settings: MatchingConfig,
     known: Known,
+    mirror: bool = True,
 ) -> MatchResult:
-    """What one placement explains of all of the map."""
+    """What one placement explains of the map; ``mirror``: whether the plan may be mirrored."""
     begin = time.perf_counter()
     announce_compilation(search_all)
     index = index.looked_for(online.modelled_categories)
@@ -88,13 +92,13 @@ def _match_whole(
     posterior = judge(
         peaks.place, peaks.shift, outside, inputs.log_spread, settings, filtered=filtered
     )
-    mirror, complete = -math.inf, not peaks.done[3]
-    if posterior.verdict == "unique" and not filtered:
-        mirror, whole = log_mirror(inputs, posterior, known)
+    mirrored, complete = -math.inf, not peaks.done[3]
+    if posterior.verdict == "unique" and mirror and not filtered:
+        mirrored, whole = log_mirror(inputs, posterior, known)
         complete = complete and whole
-    if mirror > -math.inf:
-        elsewhere = float(np.logaddexp(outside, mirror))
+    if mirrored > -math.inf:
+        elsewhere = float(np.logaddexp(outside, mirrored))
         posterior = judge(peaks.place, peaks.shift, elsewhere, inputs.log_spread, settings)
     end = time.perf_counter()
-    found = Found(posterior, peaks.alike, peaks.done, complete, mirror - posterior.total)
+    found = Found(posterior, peaks.alike, peaks.done, complete, mirrored - posterior.total)
     return MatchResult(inputs, found, (end - searched, end - begin))
