@@ -12,7 +12,16 @@ import math
 
 from situgraph.matching.boxes import AX, AY, PX, PY, TURN, YAW, radius
 from situgraph.matching.compiled import part
-from situgraph.matching.maps import REACH, begin_of, draw, is_marked, quarter_at, tells
+from situgraph.matching.maps import (
+    BITS,
+    REACH,
+    begin_of,
+    draw,
+    is_marked,
+    nearest_cell,
+    quarter_at,
+    tells,
+)
 from situgraph.matching.records import scratch
 from situgraph.matching.tables import MAPPED
 
@@ -123,16 +132,24 @@ def enough_in_middle(case, box, g):
 @part
 def _enough_at(case, box, g, yaw, half):
     """The same for yaws up to ``half`` from ``yaw``."""
-    groups, task = case.groups, case.task
-    left = task.budget
-    c, s = math.cos(yaw), math.sin(yaw)
-    quarter = quarter_at(case.ground, yaw) & 3
+    groups, plan, ground, left = case.groups, case.plan, case.ground, case.task.budget
+    scale, words, rows = plan.corner[2], plan.cells[0], plan.cells[1]
+    c, s = scale * math.cos(yaw), scale * math.sin(yaw)
+    x, y = scale * (box[PX] - plan.corner[0]), scale * (box[PY] - plan.corner[1])
+    odd = quarter_at(ground, yaw) & 1
     farthest = (REACH - radius(box)) / (2 * math.sin(half / 2) + 1e-12)
     for k in range(groups.told[MAPPED]):
         if groups.apart[k] > farthest:
             break
-        if _lies_nowhere(case, box, groups.order[k], quarter, c, s):
-            left -= task.loss[groups.order[k]]
+        r, gx, gy = groups.order[k], groups.arm[k, 0], groups.arm[k, 1]
+        slot = ground.part[0] + r
+        if not ground.drawn[slot]:
+            draw(case, r)
+        column = nearest_cell(x + c * gx - s * gy, words * BITS)
+        row = nearest_cell(y + s * gx + c * gy, rows)
+        word = ground.word[((slot * 2 + odd) * words + (column >> 6)) * rows + row]
+        if not (word >> (column & (BITS - 1))) & 1:
+            left -= case.task.loss[r]
             if left < 0:
                 return False
     return True

@@ -97,6 +97,11 @@ def sort_rooms(case, anchor):
         groups.order[k] = r
         count += 1
     groups.told[MAPPED] = count
+    center = case.seen.center
+    for k in range(count):
+        r = groups.order[k]
+        groups.arm[k, 0] = center[r, 0] - center[anchor, 0]
+        groups.arm[k, 1] = center[r, 1] - center[anchor, 1]
 
 
 @part

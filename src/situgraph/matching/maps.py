@@ -264,5 +264,5 @@ def is_marked(plan, word, begin, x, y):
     """Whether the cell of a place is marked in the map of a quarter, which begins at a word."""
     column = nearest_cell((x - plan.corner[0]) * plan.corner[2], plan.cells[0] * BITS)
     row = nearest_cell((y - plan.corner[1]) * plan.corner[2], plan.cells[1])
-    k = begin + (column // BITS) * plan.cells[1] + row
+    k = begin + (column >> 6) * plan.cells[1] + row
     return (word[k] >> (column & (BITS - 1))) & 1 == 1

@@ -288,6 +288,7 @@ class Groups(NamedTuple):
     anchor: Annotated[Ints, "N"]  # of each group
     order: Annotated[Ints, "N"]  # rooms that have a map, the nearest to the group's anchor first
     apart: Annotated[Floats, "N"]  # how far they are
+    arm: Annotated[Floats, "N", 2]  # and in which direction, from the anchor
     told: Annotated[Ints, 2]  # how many groups, and how many rooms that have a map
 
 
