@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
+from situgraph.matching.plain import SHARP, facing, plain_pair
 from situgraph.matching.slack import SLACK, wrapped
 from situgraph.matching.strands import row_at, rows_near
 
@@ -21,53 +22,60 @@ def plane_spans(case, r, a, yaw, x, y, slack):
 
     It can fit in ``a``.
     """
-    seen, plan, limits, spans = (
-        case.seen,
-        case.plan,
-        case.limits,
-        case.spans,
-    )
+    seen, spans = case.seen, case.spans
     begin = seen.first[r]
-    for i in range(begin, seen.first[r + 1]):
-        k = i - begin
+    for k in range(seen.first[r + 1] - begin):
         spans.kind[k] = 0
         spans.turn_low[k], spans.turn_high[k] = math.inf, -math.inf
-        top, rows = rows_near(case, a, i, yaw, x, y, limits.fit, slack)
+    if plain_pair(case, r, a) and 2 * case.limits.angle + slack.turn < SHARP:
+        for k in range(4):
+            i, j = facing(case, r, a, k, yaw)
+            if i >= 0 and j >= 0:
+                _add_span(case, i - begin, i, j, yaw, x, y, slack)
+        return
+    for i in range(begin, seen.first[r + 1]):
+        top, rows = rows_near(case, a, i, yaw, x, y, case.limits.fit, slack)
         for c in range(rows):
-            j = row_at(case, top, c)
-            bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
-            if abs(bend) > limits.angle + slack.turn + SLACK:
-                continue
-            nx, ny = plan.row[j, 0], plan.row[j, 1]
-            off = seen.distance[i] - (nx * x + ny * y + plan.row[j, 2])
-            nu, nv = nx * slack.ux + ny * slack.uy, ny * slack.ux - nx * slack.uy
-            shift = abs(nu) * slack.hu + abs(nv) * slack.hv
-            bent = abs(nx * slack.wx + ny * slack.wy) * slack.bend
-            lever = ny * slack.wx - nx * slack.wy
-            reach = limits.fit + SLACK + bent
-            if abs(off) > reach + shift + abs(lever) * slack.swing:
-                continue
-            low = max(-slack.turn, -limits.angle - SLACK - bend)
-            high = min(slack.turn, limits.angle + SLACK - bend)
-            if abs(lever) > 1e-9:
-                one = (off - reach - shift) / lever
-                two = (off + reach + shift) / lever
-                low = max(low, _arcsine(min(one, two), slack.swing) - 1e-12)
-                high = min(high, _arcsine(max(one, two), slack.swing) + 1e-12)
-            if low > high:
-                continue
-            spans.turn_low[k] = min(spans.turn_low[k], low)
-            spans.turn_high[k] = max(spans.turn_high[k], high)
-            width = reach + abs(lever) * slack.swing
-            if spans.kind[k] == 0:
-                spans.kind[k] = 1
-                spans.nu[k], spans.nv[k] = nu, nv
-                spans.off_low[k], spans.off_high[k] = off - width, off + width
-            elif spans.nu[k] == nu and spans.nv[k] == nv:
-                spans.off_low[k] = min(spans.off_low[k], off - width)
-                spans.off_high[k] = max(spans.off_high[k], off + width)
-            else:
-                spans.kind[k] = 2
+            _add_span(case, i - begin, i, row_at(case, top, c), yaw, x, y, slack)
+
+
+@part
+def _add_span(case, k, i, j, yaw, x, y, slack):
+    """Add where plane ``i``, number ``k`` of its room, fits the prior row ``j``."""
+    seen, plan, limits, spans = case.seen, case.plan, case.limits, case.spans
+    bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
+    if abs(bend) > limits.angle + slack.turn + SLACK:
+        return
+    nx, ny = plan.row[j, 0], plan.row[j, 1]
+    off = seen.distance[i] - (nx * x + ny * y + plan.row[j, 2])
+    nu, nv = nx * slack.ux + ny * slack.uy, ny * slack.ux - nx * slack.uy
+    shift = abs(nu) * slack.hu + abs(nv) * slack.hv
+    bent = abs(nx * slack.wx + ny * slack.wy) * slack.bend
+    lever = ny * slack.wx - nx * slack.wy
+    reach = limits.fit + SLACK + bent
+    if abs(off) > reach + shift + abs(lever) * slack.swing:
+        return
+    low = max(-slack.turn, -limits.angle - SLACK - bend)
+    high = min(slack.turn, limits.angle + SLACK - bend)
+    if abs(lever) > 1e-9:
+        one = (off - reach - shift) / lever
+        two = (off + reach + shift) / lever
+        low = max(low, _arcsine(min(one, two), slack.swing) - 1e-12)
+        high = min(high, _arcsine(max(one, two), slack.swing) + 1e-12)
+    if low > high:
+        return
+    spans.turn_low[k] = min(spans.turn_low[k], low)
+    spans.turn_high[k] = max(spans.turn_high[k], high)
+    width = reach + abs(lever) * slack.swing
+    if spans.kind[k] == 0:
+        spans.kind[k] = 1
+        spans.nu[k], spans.nv[k] = nu, nv
+        spans.off_low[k], spans.off_high[k] = off - width, off + width
+    elif spans.nu[k] == nu and spans.nv[k] == nv:
+        spans.off_low[k] = min(spans.off_low[k], off - width)
+        spans.off_high[k] = max(spans.off_high[k], off + width)
+    else:
+        spans.kind[k] = 2
 
 
 @part

@@ -26,6 +26,7 @@ BASE, LOW, HIGH, SIDE, ROW, COS, SIN, CX, CY, CLEAR = 0, 1, 2, 3, 7, 11, 12, 13,
 PLAN_COLUMNS = 16  # a room seen has the first eleven
 EXACT = 1e-6  # rad; of a plan's room, that is plain when its planes are as square as this
 QUARTER = math.pi / 2
+SHARP = 0.7  # rad; less than half a quarter turn
 JOINED = 0.3  # half width of an interval that is put together of two, at most, metres
 
 
@@ -86,6 +87,18 @@ def is_plain(case, r):
 def plain_pair(case, r, a):
     """Whether both rooms are plain."""
     return is_plain(case, r) and not math.isnan(case.plan.plain[a, BASE])
+
+
+@part
+def facing(case, r, a, k, yaw):
+    """The plane of plain room ``r`` on side ``k``, and the row of ``a`` that it faces; -1 for none.
+
+    Of planes whose directions may differ by less than ``SHARP`` there is no other.
+    """
+    mine, its = case.seen.plain[r], case.plan.plain[a]
+    m = (k + round((yaw + mine[BASE] - its[BASE]) / QUARTER)) & 3
+    i = -1 if math.isnan(mine[SIDE + k]) else int(mine[ROW + k])
+    return i, -1 if math.isnan(its[SIDE + m]) else int(its[ROW + m])
 
 
 @part
