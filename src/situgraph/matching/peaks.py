@@ -34,6 +34,7 @@ from situgraph.matching.views import copy_view, count_planes, evidence, fixes, l
 
 ROUNDS = 30
 ARRIVED = 1e-6  # metres and radians from the optimum
+STILL = 1e-10  # metres and radians: L is nowhere higher
 SMALLEST_STEP = 1e-6  # share of the way to an optimum that is not feasible
 INSIDE = (0.0, 1e-5, 1e-3)  # metres from it, at which it is then held; 0: not held
 
@@ -65,6 +66,8 @@ def climb(case, at):
             optimum(case, case.one, at, 0.0, goal)
         else:
             slide(case, at, INSIDE[held], goal)
+        if _step_to(at, goal, tried) < STILL:
+            break
         _part_way(goal, goal, 0.0, 0.0, tried)
         arrives = arrive(case, case.two, tried)
         value = height
