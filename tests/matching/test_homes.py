@@ -1,4 +1,4 @@
-"""A room all of whose walls fit the prior room at home where it lies is explained by no other."""
+"""The prior room at home where a room lies is the only one to explain it, if no other is near."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from situgraph.matching.boxes import HU, PX, PY, SIDES, TURN, UX, YAW, reach_of,
 from situgraph.matching.candidates import Known, find
 from situgraph.matching.compiled import entry
 from situgraph.matching.explained import may_explain
-from situgraph.matching.homes import stays_alone
-from situgraph.matching.plain import CLEAR
+from situgraph.matching.homes import sole_room
+from situgraph.matching.plain import BASE, CLEAR
 from situgraph.matching.preparation import prepare
 from situgraph.matching.records import record_at
-from situgraph.matching.tables import FIT, Case
+from situgraph.matching.slack import give
+from situgraph.matching.tables import Case
 from situgraph.matching.views import look
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
@@ -98,27 +99,28 @@ def looks(place, other, at):  # type: ignore[no-untyped-def]
 
 
 @entry
-def neighbours(place, at, boxes):  # type: ignore[no-untyped-def]
-    """How many rooms stay alone, and to how many of them another may come, in boxes around."""
-    case, alone, met = record_at(place, Case), 0, 0
-    seen, plan, view = case.seen, case.plan, case.one
-    for k in range(len(at)):
-        box = boxes[k]
-        look(case, view, at[k, 0], at[k, 1], at[k, 2], 0.0, 0.0)
-        here = reach_of(box)
-        for r in range(len(view.room)):
-            fits = view.room[r] >= 0
-            for i in range(seen.first[r], seen.first[r + 1]):
-                fits = fits and view.state[i] == FIT
-            slack = slack_of_room(case, box, here, r)
-            if not fits or not stays_alone(case, r, slack):
+def neighbours(place, boxes, wall):  # type: ignore[no-untyped-def]
+    """For how many rooms it is told in boxes which the only one is, and how many others may be.
+
+    Walls have the direction ``wall``.
+    """
+    case, told, others = record_at(place, Case), 0, 0
+    seen, plan = case.seen, case.plan
+    for k in range(len(boxes)):
+        box, here = boxes[k], reach_of(boxes[k])
+        for r in range(len(seen.storey)):
+            slack, storey = slack_of_room(case, box, here, r), case.task.storeys[seen.storey[r]]
+            yaw, turn, x, y = box[YAW], box[TURN], box[PX] + slack.wx, box[PY] + slack.wy
+            c, s = math.cos(wall), math.sin(wall)
+            away = max(give(slack, c, s), give(slack, -s, c))
+            sole = sole_room(case, r, storey, yaw, turn, x, y, away) if storey >= 0 else -1
+            if sole < 0:
                 continue
-            alone += 1
+            told += 1
             for a in range(len(plan.storey)):
-                x, y = box[PX] + slack.wx, box[PY] + slack.wy
-                other = a != view.room[r] and plan.storey[a] == plan.storey[view.room[r]]
-                met += other and may_explain(case, r, a, box[YAW], x, y, slack)
-    return alone, met
+                other = a != sole and plan.storey[a] == storey
+                others += other and may_explain(case, r, a, yaw, x, y, slack)
+    return told, others
 
 
 @pytest.mark.parametrize("errors", [CLEAN, STEADY])
@@ -139,18 +141,23 @@ def test_rooms_beside_each_other_are_both_looked_at(apart: float, config: Matchi
     assert looks(case.place, other.place, at) > 300
 
 
+@pytest.mark.parametrize("errors", [CLEAN, STEADY])
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("kind", KINDS)
-def test_to_a_room_that_stays_alone_no_other_comes(kind: Kind, seed: int) -> None:
-    case, _, at = cases(make_layout(kind, 40, seed), seed, CLEAN, MatchingConfig())
+def test_where_one_room_is_told_no_other_may_be(
+    kind: Kind, seed: int, errors: SamplerConfig
+) -> None:
+    plan = make_layout(kind, 40, seed)
+    case, _, at = cases(plan, seed, errors, MatchingConfig())
+    wall = float(np.nanmin(PlanIndex(plan).table.plain[:, BASE]))
     rng = np.random.default_rng(seed)
     boxes = np.zeros((len(at), SIDES))
     boxes[:, [YAW, PX, PY]] = at
     boxes[:, TURN] = rng.uniform(0, 0.09, len(at))
     angle = rng.uniform(0, math.pi, len(at))
     boxes[:, UX : HU + 2] = np.column_stack(
-        [np.cos(angle), np.sin(angle), rng.uniform(0, 2, (len(at), 2))]
+        [np.cos(angle), np.sin(angle), rng.uniform(0, 1, (len(at), 2))]
     )
-    alone, met = neighbours(case.place, at, boxes)
-    assert alone > 100
-    assert met == 0
+    told, others = neighbours(case.place, boxes, wall)
+    assert told > 100
+    assert others == 0

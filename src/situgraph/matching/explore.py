@@ -38,7 +38,7 @@ from situgraph.matching.records import scratch
 from situgraph.matching.represented import NEAR, known_peak, none_higher
 from situgraph.matching.settled import all_fit, settle, settled_by
 from situgraph.matching.tables import BOXES, CUT, PEAKS, STAGE, WITHIN, WORK
-from situgraph.matching.views import fixes, look, unexplained
+from situgraph.matching.views import fixes, look, look_whole, unexplained
 from situgraph.matching.wards import entrust
 
 FINE = 0.005  # half widths below which no higher peak is looked for beside a known one, metres
@@ -145,7 +145,8 @@ def settles_at_once(case, box):
     centre(box, at)
     if peaks_near(case, at[1], at[2], NEAR) > 0:
         return False
-    if not feasible(case, case.one, at) or not all_fit(case):
+    count = look_whole(case, case.one, at[0], at[1], at[2])
+    if count < case.task.least or not fixes(case, case.one) or not all_fit(case):
         return False
     return settle(case, at, climb(case, at)) and settled_by(case, box)
 

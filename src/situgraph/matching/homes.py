@@ -11,6 +11,7 @@ So it is in plans whose walls are all parallel or at right angles; in others roo
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -32,15 +33,17 @@ from situgraph.matching.plain import (
     SIDE,
     SIN,
     has_four,
+    plain_pair,
     square,
 )
-from situgraph.matching.records import record_at, scratch
-from situgraph.matching.slack import SLACK, give, residuals
-from situgraph.matching.tables import FIT, Floats, Ints, Shorts, Singles, Table
+from situgraph.matching.records import record_at
+from situgraph.matching.slack import SLACK, wrapped
+from situgraph.matching.tables import FIT, MISSING, MOVED, Floats, Ints, Shorts, Singles, Table
 
 FARTHEST = 6.0  # metres; beyond that it is not measured how near a corner comes
 ROUNDED = 1e-3  # metres, and more than single precision and walls not quite parallel take
-AROUND = 0.3  # metres around a room's centre where it is looked for
+# Where in a room its cells are looked for, of half its length and width from the middle.
+WITHIN = tuple(product((0.75, -0.75, 0.0), repeat=2))
 WORDS = 32  # cells of homes a word of a map: each is as wide as two cells of that, and as tall
 
 
@@ -87,15 +90,26 @@ def plain_rooms(
 def homes_of(table: Floats, storey: Ints, cells: Ints, corner: Floats) -> Shorts:
     """The plain room that is at home in each cell, by storey, row and column; -1 for none.
 
+    Where two are, one of them.
+
     ``table`` is that of ``plain_rooms``, ``cells`` and ``corner`` are those of the maps.
     """
     wide, tall = WORDS * int(cells[0]), int(cells[1]) // 2 + 1
     home = np.full(tall * wide * (int(storey.max(initial=0)) + 1), -1, dtype=np.int32)
     room = np.flatnonzero(table[:, CLEAR] > 0)
     level = storey[room] * tall
-    for x, y in ((-1, -1), (-1, 1), (1, -1), (1, 1), (0, 0)):
-        place = table[room, CX : CY + 1] + (x * AROUND, y * AROUND)
-        column, line = np.floor((place - corner[:2]) * (corner[2] / 2)).astype(np.int64).T
+    row = table[room]
+    low, high, c, s = (
+        -row[:, SIDE : SIDE + 2],
+        row[:, SIDE + 2 : SIDE + 4],
+        row[:, COS],
+        row[:, SIN],
+    )
+    for share in WITHIN:  # what is in the middle comes last and stays
+        u, v = ((low + high) / 2 + (high - low) / 2 * share).T
+        place = row[:, CX : CY + 1] + np.stack([c * u - s * v, s * u + c * v], axis=1)
+        cell = np.floor((place - corner[:2]) * (corner[2] / 2)).astype(np.int64)
+        column, line = cell.clip(0, (wide - 1, tall - 1)).T  # a large room may reach farther
         home[(level + line) * wide + column] = room
     return home
 
@@ -119,8 +133,8 @@ def _clear(t, a, row):
     Along the walls: the larger of both distances counts.
     """
     nearest, nx, ny = FARTHEST, row[COS], row[SIN]
-    reach = FARTHEST * (abs(nx) + abs(ny))
     for k in range(4):
+        reach = nearest * (abs(nx) + abs(ny))
         one, two = row[SIDE + k], row[SIDE + ((k + 1) & 3)]
         x, y = row[CX] - one * nx + two * ny, row[CY] - one * ny - two * nx
         x0, x1 = cell_of(t, 0, x - reach), cell_of(t, 0, x + reach)
@@ -150,58 +164,86 @@ def _home(plan, storey, x, y):
 
 
 @part
-def _reach(limits, turn):
-    """How near a corner comes with which another room explains one all of whose walls fit.
+def sole_room(case, r, storey, yaw, turn, x, y, away):
+    """The only prior room that can explain plain room ``r`` at some placements, -1 if not known.
 
-    Each is off by a residual. Yaws may be ``turn`` apart; walls face the same way then.
+    They turn by ``yaw`` up to ``turn`` more or less, and take its centre up to ``away`` from
+    ``(x, y)``, along walls. Of the walls that fit two cross: for another room to do, a corner of it
+    would have to come as near as the walls are off, and a residual.
     """
-    crossing = limits.sine > limits.angle and 2 * limits.angle + turn < 1.0
-    return 2 * (limits.fit + SLACK) if crossing else math.inf
+    plan, limits, mine = case.plan, case.limits, case.seen.plain[r]
+    a = _home(plan, storey, x, y)
+    if a < 0 or math.isnan(mine[BASE]) or limits.sine <= limits.angle:
+        return -1
+    its = plan.plain[a]
+    most = its[CLEAR] - away - limits.fit - SLACK
+    if most <= 0.0:
+        return -1
+    against = yaw - its[BASE] + mine[BASE]
+    quarter = round(against / QUARTER)
+    # Walls of other rooms that a wall can fit face the same way.
+    if abs(against - quarter * QUARTER) + turn + 2 * limits.angle > 1.0:
+        return -1
+    dx, dy, c, s = x - its[CX], y - its[CY], its[COS], its[SIN]
+    u, v = c * dx + s * dy, c * dy - s * dx
+    for k in range(4):
+        m = (k + quarter) & 3
+        t = v if m & 1 else u
+        off = mine[SIDE + k] - its[SIDE + m] - (-t if m & 2 else t)
+        if abs(off) > most:
+            return -1
+    return a
 
 
 @part
-def explain_at_home(case, spot, r, storey, yaw, x, y):
-    """Explain room ``r`` by the prior room at home where it lies, if no other can.
+def explain_plain(case, spot, r, a, yaw, x, y):
+    """Explain plain room ``r`` by plain room ``a``: each plane has one counterpart at most.
 
-    Its option and its planes are those ``explain`` gives it. False, and nothing said, when some
-    wall does not fit, or another room comes near.
+    Its option and its planes are those that ``explain`` gives it. False where more than one plane
+    is missing or none that fit cross: then it takes other choices.
     """
-    seen, plan, limits, content = case.seen, case.plan, case.limits, case.content
-    mine, a = seen.plain[r], _home(plan, storey, x, y)
-    if a < 0 or not has_four(mine) or len(content.room_need) + len(content.row_need) > 0:
+    limits, content = case.limits, case.content
+    if not plain_pair(case, r, a) or len(content.room_need) + len(content.row_need) > 0:
         return False
-    its, score = plan.plain[a], 0.0
-    if its[CLEAR] <= _reach(limits, 0.0):
-        return False
-    quarter, found = round((yaw + mine[BASE] - its[BASE]) / QUARTER), scratch(8)
+    mine, its, row, state = case.seen.plain[r], case.plan.plain[a], spot.row, spot.state
+    bend, offset, least = spot.bend, spot.offset, limits.missing
+    planned, angle, distance = case.plan.row, case.seen.angle, case.seen.distance
+    quarter, score = round((yaw + mine[BASE] - its[BASE]) / QUARTER), 0.0
+    missing, along, across = 0, 0, 0
     for k in range(4):
-        i, j = int(mine[ROW + k]), int(its[ROW + ((k + quarter) & 3)])
-        bend, off = residuals(case, i, j, yaw, x, y)
-        found[k], found[k + 4] = bend, off
-        value = limits.fit_peak - off * off * limits.plane_weight
-        value -= bend * bend * limits.angle_weight
-        fits = abs(bend) <= limits.angle + SLACK and abs(off) <= limits.fit + SLACK
-        if not fits or value < limits.missing:
-            return False
+        m = (k + quarter) & 3
+        if math.isnan(mine[SIDE + k]):
+            continue
+        i, value = int(mine[ROW + k]), -math.inf
+        if not math.isnan(its[SIDE + m]):
+            j = int(its[ROW + m])
+            turn = wrapped(angle[i] + yaw - planned[j, 3])
+            off = distance[i] - (planned[j, 0] * x + planned[j, 1] * y + planned[j, 2])
+            bend[i], offset[i], row[i] = turn, off, j
+            value, state[i] = _value(limits, turn, off)
+        if value < least:
+            value, row[i], state[i] = least, -1, MISSING
+            missing += 1
+        elif state[i] != FIT:
+            if case.seen.strict[r]:
+                return False
+        elif k & 1:
+            across += 1
+        else:
+            along += 1
         score += value
-    for k in range(4):
-        i = int(mine[ROW + k])
-        spot.row[i], spot.state[i] = int(its[ROW + ((k + quarter) & 3)]), FIT
-        spot.bend[i], spot.offset[i] = found[k], found[k + 4]
+    if missing > 1 or (missing == 1 and case.seen.strict[r]) or along == 0 or across == 0:
+        return False
     add_option(case, r, a, score)
     return True
 
 
 @part
-def stays_alone(case, r, slack):
-    """Whether no other prior room explains ``r`` at placements with this slack around a view's.
-
-    ``case.one`` is the view, in which all walls of ``r`` fit.
-    """
-    a = case.one.room[r]
-    if a < 0 or not has_four(case.seen.plain[r]):
-        return False
-    row = case.plan.plain[a]
-    c, s = row[COS], row[SIN]
-    away = max(give(slack, c, s), give(slack, -s, c))
-    return away + _reach(case.limits, slack.turn) < row[CLEAR]
+def _value(limits, bend, off):
+    """What a plane with these residuals says as a counterpart, and its state."""
+    if abs(bend) > limits.angle + SLACK or abs(off) - SLACK > limits.moved:
+        return -math.inf, MISSING
+    tilt = bend * bend * limits.angle_weight
+    if abs(off) - SLACK > limits.fit:
+        return limits.moved_base - tilt, MOVED
+    return limits.fit_peak - off * off * limits.plane_weight - tilt, FIT

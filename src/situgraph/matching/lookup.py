@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from situgraph.matching.compiled import part
 from situgraph.matching.corners import ROUNDED, cell_of, quarter_of
+from situgraph.matching.homes import sole_room
 from situgraph.matching.slack import wrapped
 from situgraph.matching.strands import first_from
 
@@ -51,7 +52,7 @@ def find(case, r, storey, at, all_if_wide):
     Of placements ``at`` too wide for the index all rooms are returned, or -1 unless
     ``all_if_wide``.
     """
-    seen = case.seen
+    seen, finder = case.seen, case.finder
     cx, cy = seen.center[r, 0], seen.center[r, 1]
     ux, uy = cx - at.ax, cy - at.ay
     off = at.spread + at.sweep * math.sqrt(ux * ux + uy * uy)
@@ -60,6 +61,10 @@ def find(case, r, storey, at, all_if_wide):
         if off > WIDEST and not all_if_wide:
             return -1
         return _by_line(case, r, storey, at.yaw, at.turn, x, y, off)
+    home = sole_room(case, r, storey, at.yaw, at.turn, x, y, off)
+    if home >= 0:
+        finder.room[0] = home
+        return 1
     if off <= KEPT / 2 and at.turn <= KEPT_TURN / 2:
         count = _kept(case, r, storey, at, x, y, off)
         if count < 0:

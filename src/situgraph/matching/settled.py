@@ -21,17 +21,18 @@ from situgraph.matching.boxes import (
     UX,
     UY,
     YAW,
-    centre,
     possible,
+    reach_again,
     reach_of,
     slack_of_room,
 )
 from situgraph.matching.compiled import part
-from situgraph.matching.homes import stays_alone
+from situgraph.matching.homes import sole_room
 from situgraph.matching.nearby import TIE, add_peak, peak_at, peaks_near, same_place
+from situgraph.matching.plain import COS, SIN
 from situgraph.matching.records import scratch
-from situgraph.matching.represented import represents_room, sway_of
-from situgraph.matching.slack import wrapped
+from situgraph.matching.represented import represents_room
+from situgraph.matching.slack import give, wrapped
 from situgraph.matching.tables import FIT, SETTLED
 from situgraph.matching.views import count_planes, unexplained
 from situgraph.matching.wards import entrust
@@ -46,15 +47,16 @@ def settled_by(case, box):
     peaks, settled, close = case.found.peak, case.found.settled, case.found.close
     if case.found.count[SETTLED] == 0:
         return False
-    middle, sway = scratch(3), sway_of(box)
+    at, ax, ay = reach_again(case, box), box[AX], box[AY]
+    sway = at.spread + at.sweep * math.sqrt(ax * ax + ay * ay)
     if sway > FARTHEST:
         return False
-    centre(box, middle)
-    for m in range(peaks_near(case, middle[1], middle[2], FARTHEST - sway)):
+    x, y = at.px - at.cos * ax + at.sin * ay, at.py - at.sin * ax - at.cos * ay
+    for m in range(peaks_near(case, x, y, FARTHEST - sway)):
         k = close[m]
-        apart = math.hypot(peaks[k, 1] - middle[1], peaks[k, 2] - middle[2])
-        turned = abs(wrapped(peaks[k, 0] - middle[0]))
-        if apart + sway <= settled[k, 0] and turned + box[TURN] <= settled[k, 1]:
+        dx, dy, far = peaks[k, 1] - x, peaks[k, 2] - y, settled[k, 0] - sway
+        turned = abs(wrapped(peaks[k, 0] - at.yaw))
+        if far >= 0.0 and dx * dx + dy * dy <= far * far and turned + at.turn <= settled[k, 1]:
             return True
     return False
 
@@ -133,17 +135,27 @@ def _around(case, at, far, turn, box):
 
 @part
 def _stands_around(case, box, at):
-    """Whether the peak ``at``, in the middle of the box, represents it; ``case.one`` is its view.
-
-    A room that no other prior room explains has no other walls that can fit.
-    """
+    """Whether a peak ``at`` the middle of the box represents it; ``case.one`` is its view."""
     here = reach_of(box)
     for r in range(len(case.one.room)):
-        if stays_alone(case, r, slack_of_room(case, box, here, r)):
-            continue
-        if not represents_room(case, box, here, at, r):
+        if not _stays(case, box, here, r) and not represents_room(case, box, here, at, r):
             return False
     return True
+
+
+@part
+def _stays(case, box, here, r):
+    """Whether ``case.one`` explains ``r``, whose walls all fit there, and no other room may.
+
+    Then no other walls can fit either.
+    """
+    storey, a = case.task.storeys[case.seen.storey[r]], case.one.room[r]
+    if a < 0:
+        return False
+    slack, row = slack_of_room(case, box, here, r), case.plan.plain[a]
+    away = max(give(slack, row[COS], row[SIN]), give(slack, -row[SIN], row[COS]))
+    x, y = box[PX] + slack.wx, box[PY] + slack.wy
+    return sole_room(case, r, storey, box[YAW], box[TURN], x, y, away) == a
 
 
 @part

@@ -12,7 +12,7 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import explain
-from situgraph.matching.homes import explain_at_home
+from situgraph.matching.homes import explain_plain
 from situgraph.matching.lookup import Reach, find
 from situgraph.matching.pairing import add_option, contested, pair_up
 from situgraph.matching.slack import Slack, residuals
@@ -57,39 +57,74 @@ def _reach(yaw, x, y, turn, loose):
 
 
 @part
+def look_whole(case, spot, yaw, x, y):
+    """``look_near`` where all walls of all rooms that are explained fit; 0 elsewhere.
+
+    Also where more rooms are unexplained than may be. ``spot`` is unfinished then.
+    """
+    at, slack = _reach(yaw, x, y, 0.0, 0.0)
+    lost, recalled = 0.0, 0
+    for r in range(len(case.seen.storey)):
+        recalled += _gather_room(case, spot, r, at, slack, True, False)
+        if case.options.count[r] == 0:
+            lost += case.task.loss[r]
+            if lost > case.task.budget:
+                return 0
+        else:
+            for i in range(case.seen.first[r], case.seen.first[r + 1]):
+                if spot.state[i] != FIT:
+                    return 0
+    if recalled > 0 and contested(case):
+        _gather(case, spot, at, slack, False, False)
+    return _pair(case, spot, at, slack)
+
+
+@part
 def _gather(case, spot, at, slack, recalls, keeps):
     """The options of all rooms, and the planes of their first ones; returns how many are steady."""
-    seen, task, finder, options = case.seen, case.task, case.finder, case.options
-    yaw, c, s, x, y, recalled = at.yaw, at.cos, at.sin, at.px, at.py, 0
-    strict = at.turn == 0.0 and at.spread == 0.0
-    for r in range(len(seen.storey)):
-        options.count[r] = 0
-        storey = task.storeys[seen.storey[r]]
-        if storey < 0:
-            continue
-        cx, cy = seen.center[r, 0], seen.center[r, 1]
-        rx, ry = x + c * cx - s * cy, y + s * cx + c * cy
-        if recalls and is_steady(case, r, storey, yaw, rx, ry):
-            recall_steady(case, spot, r)
-            _measure(case, spot, r, yaw, rx, ry)
-            recalled += 1
-            continue
-        if strict and explain_at_home(case, spot, r, storey, yaw, rx, ry):
-            continue
-        found = find(case, r, storey, at, True)
-        for k in range(found):
-            a = finder.room[k]
-            if room_allowed(case, r, a):
-                score = explain(case, r, a, yaw, rx, ry, slack)
-                if score > -math.inf:
-                    add_option(case, r, a, score)
-                    if options.room[r, 0] == a:
-                        _note(case, spot, r)
-        if options.count[r] > 0:
-            _measure(case, spot, r, yaw, rx, ry)
-        if keeps:
-            keep_steady(case, spot, r, storey, yaw, rx, ry)
+    recalled = 0
+    for r in range(len(case.seen.storey)):
+        recalled += _gather_room(case, spot, r, at, slack, recalls, keeps)
     return recalled
+
+
+@part
+def _gather_room(case, spot, r, at, slack, recalls, keeps):
+    """The same of one room; returns whether it is steady."""
+    seen, finder, options, yaw = case.seen, case.finder, case.options, at.yaw
+    storey = case.task.storeys[seen.storey[r]]
+    options.count[r] = 0
+    if storey < 0:
+        return False
+    cx, cy = seen.center[r, 0], seen.center[r, 1]
+    rx, ry = at.px + at.cos * cx - at.sin * cy, at.py + at.sin * cx + at.cos * cy
+    if recalls and is_steady(case, r, storey, yaw, rx, ry):
+        recall_steady(case, spot, r)
+        _measure(case, spot, r, yaw, rx, ry)
+        return True
+    found, strict = find(case, r, storey, at, True), at.turn == 0.0 and at.spread == 0.0
+    plain = strict and found == 1
+    if not plain or not explain_plain(case, spot, r, finder.room[0], yaw, rx, ry):
+        _choose(case, spot, r, found, yaw, rx, ry, slack)
+    if keeps:
+        keep_steady(case, spot, r, storey, yaw, rx, ry)
+    return False
+
+
+@part
+def _choose(case, spot, r, found, yaw, x, y, slack):
+    """The options of room ``r``, at ``(x, y)``, of so many in ``finder.room``."""
+    options = case.options
+    for k in range(found):
+        a = case.finder.room[k]
+        if room_allowed(case, r, a):
+            score = explain(case, r, a, yaw, x, y, slack)
+            if score > -math.inf:
+                add_option(case, r, a, score)
+                if options.room[r, 0] == a:
+                    _note(case, spot, r)
+    if options.count[r] > 0:
+        _measure(case, spot, r, yaw, x, y)
 
 
 @part
