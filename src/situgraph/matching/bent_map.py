@@ -108,7 +108,10 @@ def parts_of(whole: MatchResult, solve: Solve, cut: Cut) -> list[Part]:
 def _halves(rows: Ints, center: Floats, cut: Cut) -> list[Ints]:
     at = center[rows] - center[rows].mean(axis=0)
     axes = np.linalg.eigh(at.T @ at)[1]  # the direction in which most lie is the second
-    order = rows[np.lexsort((rows, (at @ axes[:, int(cut == "across")]).round(6)))]
+    along = at @ axes[:, int(cut == "across")]
+    if (along**3).sum() < 0.0:  # in any frame the same half has the room that is over
+        along = -along
+    order = rows[np.lexsort((rows, along.round(6)))]
     half = len(order) // 2
     return [np.sort(order[:half]), np.sort(order[half:])]
 
