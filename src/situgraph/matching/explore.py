@@ -94,7 +94,7 @@ def explore(case, start):
         if state < 0:
             continue
         if state > 0:
-            _ascend(case, at)
+            ascend(case, at)
         if known < 0 and found.count[PEAKS] > peaks:
             known = known_peak(case, box)
         if known >= 0:
@@ -152,7 +152,7 @@ def settles_at_once(case, box):
 
 
 @part
-def _ascend(case, at):
+def ascend(case, at):
     """Note the peak of a feasible placement, whose view is ``case.one``, and where it leads."""
     height = climb(case, at)
     highest = is_highest(case, at, height)

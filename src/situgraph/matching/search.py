@@ -47,6 +47,7 @@ from situgraph.matching.records import scratch
 from situgraph.matching.settled import settled_by
 from situgraph.matching.sieve import sift
 from situgraph.matching.sifted import may_lie, may_lie_by, sift_for
+from situgraph.matching.survey import survey
 from situgraph.matching.tables import (
     ANYWHERE,
     HELD,
@@ -242,7 +243,10 @@ def _try(case, g, start):
         if outlining:
             _hold(case, box)
         else:
+            peaks = count[PEAKS]
             explore(case, box)
+            if count[PEAKS] > peaks:
+                survey(case, g, peaks)
 
 
 @part

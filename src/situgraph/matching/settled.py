@@ -80,7 +80,7 @@ def settle(case, at, height):
             return False
     box, (far, turn) = scratch(SIDES), (FARTHEST, WIDEST * case.limits.angle)
     for _ in range(SETTLING):
-        _around(case, at, far, turn, box)
+        around(case, at, far, turn, box)
         if _stands_around(case, box, at) and _no_more(case, box):
             add_peak(case, at, height, unexplained(case, case.one))
             known = peak_at(case, at)
@@ -124,7 +124,7 @@ def _is_whole(case, height):
 
 
 @part
-def _around(case, at, far, turn, box):
+def around(case, at, far, turn, box):
     """The box of placements around a peak, along the walls of a room."""
     row = case.plan.row
     box[YAW], box[TURN], box[PX], box[PY] = at[0], turn, at[1], at[2]
