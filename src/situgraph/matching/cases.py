@@ -72,6 +72,6 @@ def room_of(seen: Seen, plan: Plan, storeys: int) -> dict[str, int]:
         "map": 4 * wide * tall,
         "blocks": (wide // 8 + 1) * (tall // 8 + 1),
         "left": 64 + 16 * wide * tall,
-        "sums": 2 + rooms.bit_length(),  # marks, what is left, binary digits of a count
+        "sums": 3 + 2 * rooms.bit_length(),  # what is left, two carried, digits and waiting marks
         "height": tall + BESIDE,
     }

@@ -16,9 +16,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from situgraph.matching.compiled import part
+from situgraph.matching.counting import ENOUGH, HIGH, LEFT, LOW, RIGHT, count_marks
 from situgraph.matching.ground import MOST_MARKED
 from situgraph.matching.maps import (
     BITS,
@@ -30,7 +29,6 @@ from situgraph.matching.plain import QUARTER
 from situgraph.matching.slack import SLACK
 from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED, STAGE, WITHIN
 
-LEFT, RIGHT, LOW, HIGH = 1, 2, 4, 8  # sides of a map
 FAR = 1.0e6  # cells
 MOST_COUNTED = 0.9  # share of all cells, about, that are marked in the map of one that is counted
 SPARE = 8  # rooms that are counted beyond twice as many as may be lost
@@ -163,14 +161,14 @@ def _sift(case, counted, quarter, p):
     if height <= 0:
         return True
     for x in range(x0, x1, BITS):
-        _count(case, counted, quarter, x, y0, height)
+        count_marks(case, counted, quarter, x, y0, height)
         for y in range(height):
-            if sieve.sums[1, y] != 0:
+            if sieve.sums[ENOUGH, y] != 0:
                 k = sieve.told[KEPT]
                 if k == len(sieve.left):
                     return False
                 sieve.left[k, 0], sieve.left[k, 1] = quarter * sieve.told[PARTED] + p, x
-                sieve.left[k, 2], sieve.left[k, 3] = y0 + y, sieve.sums[1, y]
+                sieve.left[k, 2], sieve.left[k, 3] = y0 + y, sieve.sums[ENOUGH, y]
                 sieve.told[KEPT] += 1
     return True
 
@@ -209,75 +207,3 @@ def _reach(case, counted, axis, sign, side):
             m -= 1
         ranked[m] = value
     return int(ranked[sieve.told[NEEDED] - 1])
-
-
-@part
-def _count(case, counted, quarter, x, y0, height):
-    """Into ``sums[1]``: at which cells from ``(x, y0)`` on enough rooms are marked."""
-    sums, needed = case.sieve.sums, case.sieve.told[NEEDED]
-    digits = 0
-    while (1 << digits) < needed:
-        digits += 1
-    for d in range(digits):  # counted from where ``needed`` more carry over the last digit
-        fill = -(((1 << digits) - needed) >> d & 1)
-        for y in range(height):
-            sums[d + 2, y] = fill
-    for y in range(height):
-        sums[1, y] = 0
-    for k in range(counted):
-        begin, end = _bring(case, k, quarter, x, y0, height)
-        for d in range(digits):
-            _add(sums[d + 2], sums[0], begin, end)
-        for y in range(begin, end):
-            sums[1, y] |= sums[0, y]
-
-
-@part
-def _add(digit, carry, begin, end):
-    """Add to one digit of the sums; what is carried over is left in ``carry``."""
-    for y in range(begin, end):
-        both = digit[y] & carry[y]
-        digit[y] ^= carry[y]
-        carry[y] = both
-
-
-@part
-def _bring(case, k, quarter, x, y0, height):
-    """Into ``sums[0]``: where the ``k``-th room is marked; returns in which rows it can be."""
-    sieve, word, rows = case.sieve, case.ground.word, case.plan.cells[1]
-    out, sides = sieve.sums[0], sieve.open[k]
-    x, down = x + sieve.shift[0, k], y0 + sieve.shift[1, k]
-    begin, end = min(max(-down, 0), height), max(min(rows - down, height), 0)
-    column, right = x >> 6, x & (BITS - 1)
-    top = begin_of(case, sieve.room[k], quarter) + column * rows + down
-    outside = -1 if sides & (LEFT if column < 0 else RIGHT) else 0
-    if 0 <= column < case.plan.cells[0]:
-        for y in range(begin, end):
-            out[y] = to_right(word[top + y], right)
-    else:
-        for y in range(begin, end):
-            out[y] = outside
-    if right > 0:
-        outside = -1 if sides & (LEFT if column + 1 < 0 else RIGHT) else 0
-        top += rows
-        if 0 <= column + 1 < case.plan.cells[0]:
-            for y in range(begin, end):
-                out[y] |= (word[top + y] << 1) << (BITS - 1 - right)
-        elif outside:
-            for y in range(begin, end):
-                out[y] |= -1 << (BITS - right)
-    if sides & LOW:
-        for y in range(begin):
-            out[y] = -1
-        begin = 0
-    if sides & HIGH:
-        for y in range(end, height):
-            out[y] = -1
-        end = height
-    return begin, end
-
-
-@part
-def to_right(bits, by):
-    """Shifted to the right, zeros following."""
-    return np.int64(np.uint64(bits) >> np.uint64(by))

@@ -8,9 +8,10 @@ import math
 
 from situgraph.matching.boxes import HU, HV, PX, PY, TURN, UX, UY, YAW, radius
 from situgraph.matching.compiled import part
+from situgraph.matching.counting import to_right
 from situgraph.matching.maps import BITS, REACH, begin_of, is_marked, quarter_at
 from situgraph.matching.plain import CX, CY, JOINED, farthest
-from situgraph.matching.sieve import shift_rooms, to_right
+from situgraph.matching.sieve import shift_rooms
 from situgraph.matching.tables import KEPT, PARTED, SIFTED
 
 AROUND = 1  # cells by which the anchor may be off, for the yaw and rounding

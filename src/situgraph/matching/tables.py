@@ -310,7 +310,7 @@ class Sieve(NamedTuple):
     counted: Annotated[Ints, "N"]  # whether each room is
     shift: Annotated[Ints, 2, "N"]  # columns and rows from the mean room centre to each, turned
     open: Annotated[Ints, "N"]  # on which sides of its map each may lie outside of it
-    sums: Annotated[Ints, "sums", "height"]  # cells of a column of words: marks of a room, counts
+    sums: Annotated[Ints, "sums", "height"]  # cells of a column of words: counts (``counting``)
     left: Annotated[Ints, "left", 4]  # what is left: quarter and yaw, column, row, 64 cells
     word: Annotated[Ints, "map"]  # where the anchor of a group is then, by quarter
     block: Annotated[Ints, "blocks"]  # in which blocks of 8 x 8 cells that is, at any quarter
