@@ -14,10 +14,12 @@ from situgraph.experiments.oracle.problem import Problem
 from situgraph.matching import MatchingConfig, PlanIndex, match
 from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry
+from situgraph.matching.entries import _shapes_alike
 from situgraph.matching.ground import _lost
+from situgraph.matching.maps import draw
 from situgraph.matching.preparation import Inputs, prepare
 from situgraph.matching.records import record_at
-from situgraph.matching.tables import Case
+from situgraph.matching.tables import Case, Ints
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sampler import sample_online
@@ -54,6 +56,37 @@ def test_a_box_that_is_too_wide_for_the_map_loses_no_room() -> None:
     box = np.zeros(10)
     box[8:] = inputs.seen.center[0]
     assert not lost_in_a_wide_box(case.place, box)
+
+
+@entry
+def draw_all(place):  # type: ignore[no-untyped-def]
+    """Draw the maps of all rooms."""
+    case = record_at(place, Case)
+    _shapes_alike(case)
+    for r in range(len(case.seen.storey)):
+        draw(case, r)
+
+
+def maps_of(inputs: Inputs, former: Ints | None = None, *, shared: bool = False) -> Block:
+    sizes = inputs.tables.sizes(peaks=8, maps=1, shared=shared)
+    given = inputs.tables.given(inputs.aim) | {"former": former}
+    case = Block(Case, sizes, **given)
+    draw_all(case.place)
+    return case
+
+
+@pytest.mark.parametrize("kind", ["random", "lshaped", "corridor", "wings"])
+@pytest.mark.parametrize("errors", [REALISTIC, BENT])
+def test_the_mirror_image_has_the_maps_that_it_would_have_by_itself(
+    kind: Kind, errors: SamplerConfig
+) -> None:
+    for seed in range(4):
+        inputs = inputs_of(kind, 60, 12, seed, errors)
+        shared = maps_of(inputs, shared=True).array("ground.shared")
+        assert kind == "wings" or shared[: len(inputs.kept)].any()
+        image = inputs.mirrored()
+        recalled, alone = maps_of(image, shared), maps_of(image)
+        assert (recalled.array("ground.word") == alone.array("ground.word")).all()
 
 
 def test_the_boxes_of_one_pair_of_rooms_do_not_narrow_each_other() -> None:

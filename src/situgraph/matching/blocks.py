@@ -94,6 +94,10 @@ class Laid:
         value = self.__dict__[name] = self._block.field(self._path, name)
         return value
 
+    def record(self, name: str) -> Laid:
+        """A record in this one."""
+        return self._block.record(f"{self._path}.{name}")
+
     @property
     def slots(self) -> Laid:
         """Itself: where it is in memory."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class Known:
         self.grows = grows
         self._peaks: dict[bool, tuple[Aim, Peaks]] = {}
         self._memories: dict[bool, Memory] = {}
+        self._maps: Laid | None = None  # the case of what was seen, for its mirror image
 
     def by_walls(self, inputs: Inputs, aim: Aim) -> Peaks:
         """What the search finds; from memory where as much was asked before."""
@@ -50,7 +51,7 @@ class Known:
 
     def forget_peaks(self) -> None:
         """Rooms or planes are others now."""
-        self._peaks = {}
+        self._peaks, self._maps = {}, None
 
     def _search(self, inputs: Inputs, aim: Aim, traced: bool) -> Peaks:
         rooms = len(inputs.kept)
@@ -65,13 +66,17 @@ class Known:
         before = self._memories.get(inputs.flipped) if traced else None
         kept = traced and stands(before, inputs)
         start = start_of(before, inputs, aim) if kept else None
-        found = find_peaks(inputs.tables, inputs.mapping, aim, start, traced=kept)
+        former = self._maps.record("ground").shared if self._maps and inputs.flipped else None
+        shared = not (kept or inputs.flipped) and len(inputs.mapping) == 1
+        asked: dict[str, Any] = {"traced": kept, "former": former, "shared": shared}
+        found = find_peaks(inputs.tables, inputs.mapping, aim, start, **asked)
         if start is not None and start.on and found[3][CUT]:
             start = start._replace(on=False)
-            found = find_peaks(inputs.tables, inputs.mapping, aim, start, traced=kept)
+            found = find_peaks(inputs.tables, inputs.mapping, aim, start, **asked)
         place, shift, alike, done, case, traces = found
         if traced:
             self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
+        self._maps = case if shared else None
         place[:, 0] = inputs.shifts[shift]
         return Peaks(place, shift, alike, done, case)
 

@@ -39,12 +39,19 @@ class Tables(NamedTuple):
             "budget": aim.budget,
             "loss": aim.loss,
             "base": self.turn,
+            "former": None,
         }
 
-    def sizes(self, *, peaks: int = 0, boxes: int = 0, maps: int = 0) -> dict[str, int]:
-        """The sizes of a ``Case``; of ``maps`` shifts of the storeys maps are kept."""
+    def sizes(
+        self, *, peaks: int = 0, boxes: int = 0, maps: int = 0, shared: bool = False
+    ) -> dict[str, int]:
+        """The sizes of a ``Case``; of ``maps`` shifts of the storeys maps are kept.
+
+        They may be ``shared`` with the search for the mirror image.
+        """
         room = self.room
         several = {"maps": maps * room["N"], "words": maps * room["words"]}
+        several["shared"] = room["N"] + room["words"] if shared else 0
         return room | {"peaks": peaks, "boxes": boxes} | several
 
 

@@ -59,22 +59,25 @@ def find_peaks(
     start: Start | None = None,
     *,
     traced: bool = False,
+    former: Ints | None = None,
+    shared: bool = False,
 ) -> tuple[Floats, Ints, Ints, Ints, Laid, Traces | None]:
     """All peaks (k, 5) for all shifts of the storeys: 0, yaw, x, y, L; and the rows of ``shifts``.
 
     And how many prior rooms are like each online room; what was done: peaks, hypotheses, boxes, 1
     when incomplete, comparisons of planes, boxes left; the ``Case``, which may be worked in again;
-    and, where ``traced``, what a later search can start from.
+    and, where ``traced``, what a later search can start from. Maps may be ``shared`` with a search
+    for the mirror image, to which they are those of the ``former``.
     """
     most = max(ROOM, PEAKS_A_ROOM * len(tables.plan.storey))
     boxes = min(COVER * (len(tables.plan.storey) + COVER), MOST_COVER) if traced else 0
-    given = tables.given(aim)
+    given = tables.given(aim) | {"former": former}
     known, first, wanted = None, None, 0
     if start is not None and start.on:
         known, first, wanted = start.cover, start.first, start.wanted
     maps = len(shifts) if traced else 1
     while True:
-        sizes = tables.sizes(peaks=most, boxes=boxes, maps=maps)
+        sizes = tables.sizes(peaks=most, boxes=boxes, maps=maps, shared=shared)
         block = Block(
             Search, sizes, shifts=shifts, known=known, known_first=first, wanted=wanted, **given
         )

@@ -70,8 +70,7 @@ def draw(case, r):
         kept[k] = along[k >> 2, k & 3]
     by_width = is_plain(case, r)
     if by_width:
-        for odd in range(2):
-            _enter_whole(case, r, storey, odd, canvas)
+        _draw_whole(case, r, storey, canvas)
     for a in range(len(plan.storey)):
         if by_width and whole(case, a):
             continue
@@ -100,8 +99,42 @@ def tells(case, r, most):
 
 
 @part
+def _draw_whole(case, r, storey, canvas):
+    """Mark what ``_enter_plain`` would of all rooms of four planes, or recall it.
+
+    It is the same for the mirror image: planes that face each other change places at most, as they
+    do with half a turn, for which the map holds as well.
+    """
+    ground, words = case.ground, 2 * case.plan.cells[0] * case.plan.cells[1]
+    former, shared, at = ground.former, ground.shared, len(case.seen.storey) + r * words
+    if len(former) > 0 and former[r] == 1:
+        for k in range(words):
+            ground.word[canvas.begin + k] = former[at + k]
+        return
+    for odd in range(2):
+        _enter_whole(case, r, storey, odd, canvas)
+    if len(shared) > 0 and _is_upright(case, r):
+        shared[r] = 1
+        for k in range(words):
+            shared[at + k] = ground.word[canvas.begin + k]
+
+
+@part
+def _is_upright(case, r):
+    """Whether each plane of plain room ``r`` can be parallel to the plan's at one quarter only.
+
+    Else the mirror image could be marked at the other one.
+    """
+    side, turns = case.seen.plain[r], case.plan.turns
+    off = side[BASE] - case.seen.angle[0]
+    off -= round(off / QUARTER) * QUARTER
+    most = max(abs(turns[0]), abs(turns[1])) + abs(off - (side[LOW] + side[HIGH]) / 2)
+    return most + (side[HIGH] - side[LOW]) / 2 + case.limits.angle + 4 * SLACK < QUARTER / 2
+
+
+@part
 def _enter_whole(case, r, storey, odd, canvas):
-    """Mark what ``_enter_plain`` would of all rooms of four planes, for the half of the quarters.
+    """The marks of ``_draw_whole`` for the half of the quarters.
 
     Most marks are made here, so there is little to be decided: an interval that two walls share is
     entered for both.

@@ -301,6 +301,9 @@ class Ground(NamedTuple):
     drawn: Annotated[Ints, "maps"]  # by shift and room: whether a map has been drawn
     part: Annotated[Ints, 1]  # where in ``drawn`` the present shift begins
     halves: Annotated[Floats, 4, 9]  # by quarter: yaw and its half width, and their halves
+    # For the mirror image, what rooms of four walls mark in each map; before that, of which rooms.
+    shared: Annotated[Ints, "shared"]
+    former: Ints  # the same, of the search for what was seen
 
 
 class Sieve(NamedTuple):
