@@ -17,6 +17,7 @@ from situgraph.matching.leverage import (
     nearly_moved,
     stays_low,
 )
+from situgraph.matching.limits import first_limit
 from situgraph.matching.nearby import LEAST_GAIN, add_peak
 from situgraph.matching.optimum import (
     SUMS,
@@ -233,14 +234,18 @@ def _changed(case, at, r, i, j, free, goal, tried):
 
 @part
 def _last_feasible(case, at, goal, alike, tried):
-    """Into ``tried`` the last feasible placement found by bisection on the way to ``goal``.
+    """Into ``tried`` the last feasible placement found on the way to ``goal``.
 
-    When ``alike``, the last at which all correspondences are those in ``case.one``.
+    When ``alike``, the last at which all correspondences are those in ``case.one``. It is looked
+    for just before and behind where the planes meet their limits, then by bisection.
     """
     low, high, last = 0.0, 1.0, 0.0
-    turn = wrapped(goal[0] - at[0])
+    turn, met = wrapped(goal[0] - at[0]), first_limit(case, at, goal, alike)
+    looks = 0
     while high - low > SMALLEST_STEP:
-        share = (low + high) / 2
+        share, looks = met + (looks - 0.5) * 0.9 * SMALLEST_STEP, looks + 1
+        if looks > 2 or not low < share < high:
+            share = (low + high) / 2
         _part_way(at, goal, turn, share, tried)
         if arrive(case, case.two, tried) and (not alike or _same(case.one, case.two)):
             low = last = share
