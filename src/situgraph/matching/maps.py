@@ -22,7 +22,6 @@ from situgraph.matching.plain import (
     CY,
     EXACT,
     HIGH,
-    JOINED,
     LOW,
     QUARTER,
     SIDE,
@@ -136,8 +135,7 @@ def _is_upright(case, r):
 def _enter_whole(case, r, storey, odd, canvas):
     """The marks of ``_draw_whole`` for the half of the quarters.
 
-    Most marks are made here, so there is little to be decided: an interval that two walls share is
-    entered for both.
+    Most marks are made here, so there is little to be decided.
     """
     plan, limits, side = case.plan, case.limits, case.seen.plain[r]
     one, two = side[SIDE] + side[SIDE + 2], side[SIDE + 1] + side[SIDE + 3]
@@ -155,20 +153,22 @@ def _enter_whole(case, r, storey, odd, canvas):
         loose = (side[HIGH] - side[LOW]) / 2 + limits.angle + 2 * SLACK
         first, last = quarter_at(case.ground, yaw - loose), quarter_at(case.ground, yaw + loose)
         ux, uy = (-row[SIN], row[COS]) if odd else (row[COS], row[SIN])
-        for m in range(2):
-            _span(limits.fit, side, row, m, (m + odd) & 3, span)
+        along = _span(limits.fit, side, row, 0, odd, off, span)
+        across = _span(limits.fit, side, row, 1, odd + 1, off, span)
         wide, tall = abs(ux) * span[2] + abs(uy) * span[5], abs(uy) * span[2] + abs(ux) * span[5]
-        for m in range(4):
-            u, v = span[m & 1], span[3 + (m >> 1)]
-            x, y = row[CX] + u * ux - v * uy, row[CY] + u * uy + v * ux
-            _mark(case.ground.word, canvas, x, y, wide, tall, first, last)
+        for i in range(along):
+            for m in range(across):
+                u, v = span[i], span[3 + m]
+                x, y = row[CX] + u * ux - v * uy, row[CY] + u * uy + v * ux
+                _mark(case.ground.word, canvas, x, y, wide, tall, first, last)
 
 
 @part
-def _span(fit, side, row, k, m, span):
+def _span(fit, side, row, k, m, most, span):
     """Where a room lies when a wall of it, ``k`` or the opposite one, meets ``m`` or its opposite.
 
-    Two places and the half width, which are those of both half turns.
+    Two places and the half width, which are those of both half turns; of walls that meet both at
+    once (``most`` is by how much widths may differ) they are one. Returns how many there are.
     """
     one, two = side[SIDE + k], side[SIDE + k + 2]
     one = two if one != one else one
@@ -177,10 +177,11 @@ def _span(fit, side, row, k, m, span):
     one, two = middle - row[SIDE + m], row[SIDE + (m ^ 2)] - middle
     half = fit + SLACK + EXACT * (abs(one) + abs(two) + off) + off
     apart = abs(one - two) / 2
-    joined = apart + half <= JOINED
+    joined = 2.0 * apart <= most
     span[3 * k] = (one + two) / 2 if joined else one
-    span[3 * k + 1] = (one + two) / 2 if joined else two
+    span[3 * k + 1] = two
     span[3 * k + 2] = half + apart if joined else half
+    return 1 if joined else 2
 
 
 @part
