@@ -12,7 +12,7 @@ from situgraph.geometry.poses import Placement
 from situgraph.matching import MatchingConfig, PlanIndex
 from situgraph.matching.blocks import Block
 from situgraph.matching.boxes import HU, PX, PY, SIDES, TURN, UX, YAW, reach_of, slack_of_room
-from situgraph.matching.candidates import Known, find
+from situgraph.matching.candidates import Known
 from situgraph.matching.compiled import entry
 from situgraph.matching.explained import may_explain
 from situgraph.matching.homes import sole_room
@@ -52,7 +52,7 @@ def cases(
     """A case, one of the same plan in which no room is at home, and placements (k, 3)."""
     online = sample_online(plan, 9, seed, errors).online
     first = prepare(online, PlanIndex(plan), "none", MatchingConfig())
-    peaks, shift = find(first, first.aim, Known())[:2]
+    peaks, shift = Known().find(first, first.aim)[:2]
     found = []
     for homeless in (False, True):
         index = PlanIndex(plan, config)

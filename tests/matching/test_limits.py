@@ -10,7 +10,7 @@ import pytest
 
 from situgraph.matching import MatchingConfig, PlanIndex
 from situgraph.matching.blocks import Block
-from situgraph.matching.candidates import Known, find
+from situgraph.matching.candidates import Known
 from situgraph.matching.compiled import entry
 from situgraph.matching.limits import first_limit
 from situgraph.matching.peaks import SMALLEST_STEP, _last_feasible, _same, arrive, feasible
@@ -66,7 +66,7 @@ def test_limits_are_met_where_they_are_told(kind: Kind, alike: bool) -> None:
         plan = make_layout(kind, 30, seed)
         online = sample_online(plan, 10, seed, BENT).online
         inputs = prepare(online, PlanIndex(plan), "none", CONFIG)
-        peaks = find(inputs, inputs.aim, Known()).place
+        peaks = Known().find(inputs, inputs.aim).place
         sizes = inputs.tables.sizes(peaks=8, maps=1)
         case = Block(Case, sizes, **inputs.tables.given(inputs.aim))
         rng = np.random.default_rng(seed)

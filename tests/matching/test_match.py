@@ -189,7 +189,7 @@ def test_the_first_use_ever_says_that_it_compiles(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(compiled, "_FOLDER", None)
-    monkeypatch.setattr(matcher, "search_all", compiled.entry(entries.search_all.py_func))
+    monkeypatch.setattr(matcher, "run", compiled.entry(entries.run.py_func))
     prior = building(RECTANGLES)
     match(prior, prior)
     assert "compiling" in capsys.readouterr().err

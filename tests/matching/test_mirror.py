@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from situgraph.experiments.certificate import congruent
 from situgraph.matching import MatchingConfig, PlanIndex, match
-from situgraph.matching.candidates import Known, find
+from situgraph.matching.candidates import Known
 from situgraph.matching.mirror import aim_at
 from situgraph.matching.preparation import prepare
 from situgraph.plan.layout_changes import mirrored
@@ -78,10 +79,27 @@ def test_the_bound_leaves_out_no_mirror_image_that_fits_well_enough(
         index = PlanIndex(mirrored(building) if seed % 2 else building)
         online = sample_online(building, rooms, seed, REALISTIC).online
         image = prepare(online, index, semantics, MatchingConfig()).mirrored()
-        every = find(image, image.aim, Known()).place[:, 4]
+        every = Known().find(image, image.aim).place[:, 4]
         for below in (0.5, 5.0, 20.0):
             least = float(every.max(initial=-100.0)) - below
-            some = find(image, aim_at(image, least), Known()).place[:, 4]
+            some = Known().find(image, aim_at(image, least)).place[:, 4]
             reached += len(every) > 0
             assert some.max(initial=-100.0) >= every.max(initial=-100.0) - 0.1  # peaks differ a bit
     assert reached > 0
+
+
+def test_objects_of_the_mirror_image_say_what_those_of_a_mirrored_graph_say() -> None:
+    building = make_layout("modular", 12, 3)
+    online = sample_online(building, 6, 3, REALISTIC).online
+    index = PlanIndex(mirrored(building))
+    image = prepare(online, index, "likelihood", MatchingConfig()).mirrored()
+    graph = prepare(mirrored(online), index, "likelihood", MatchingConfig())
+    found = Known().find(graph, graph.aim).place
+    assert len(found)
+    at, shift = found[:, 1:4], np.zeros(len(found), dtype=np.int64)
+    assert image.evidence(shift, at)[0] == pytest.approx(graph.evidence(shift, at)[0])
+    assert image.evidence(shift, at)[1].tolist() == graph.evidence(shift, at)[1].tolist()
+    # As the search has weighed them.
+    peaks = Known().find(image, image.aim)
+    value, _ = image.evidence(peaks.shift, peaks.place[:, 1:4])
+    assert peaks.place[:, 4] - peaks.walls == pytest.approx(value)

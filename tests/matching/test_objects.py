@@ -17,8 +17,8 @@ from situgraph.experiments.oracle.objects import most_object_evidence, object_ev
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.geometry.poses import Placement
 from situgraph.matching import MatchingConfig, PlanIndex
+from situgraph.matching.drafting import bound
 from situgraph.matching.preparation import prepare
-from situgraph.matching.semantics import most_evidence
 from situgraph.plan.layouts import make_layout
 from situgraph.scenegraph.graph import Object, Plane, Room, SceneGraph
 from situgraph.scenegraph.transform import transformed
@@ -120,9 +120,11 @@ def test_an_object_alone_on_its_wall_says_what_it_said(online: SceneGraph) -> No
 
 @given(sights())
 def test_nothing_exceeds_the_most_there_can_be(online: SceneGraph) -> None:
-    inputs = prepare(online, INDEX, "likelihood", MatchingConfig())
-    alone, together = most_evidence(inputs.objects, inputs.rates)
-    most = sum(alone) + together
+    walls, both = (
+        bound(inputs.draft.place, inputs.limits.slots.place, 0.0)[0]
+        for inputs in (prepare(online, INDEX, s, MatchingConfig()) for s in ("none", "likelihood"))
+    )
+    most = both - walls
     problem = Problem(online, PLAN, "likelihood", Definition())
     assert most == pytest.approx(most_object_evidence(problem))
     assert evidence(online) <= most + 1e-9

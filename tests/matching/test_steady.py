@@ -10,7 +10,7 @@ import pytest
 
 from situgraph.matching import MatchingConfig, PlanIndex
 from situgraph.matching.blocks import Block
-from situgraph.matching.candidates import Known, find
+from situgraph.matching.candidates import Known
 from situgraph.matching.compiled import entry
 from situgraph.matching.preparation import prepare
 from situgraph.matching.records import record_at
@@ -63,7 +63,7 @@ def test_what_was_found_near_by_changes_nothing(kind: Kind, seed: int, semantics
     plan = make_layout(kind, 30, seed)
     online = sample_online(plan, 8, seed, BENT).online
     inputs = prepare(online, PlanIndex(plan), semantics, CONFIG)
-    peaks = find(inputs, inputs.aim, Known()).place
+    peaks = Known().find(inputs, inputs.aim).place
     rng = np.random.default_rng(seed)
     start = peaks[0, 1:4] if len(peaks) else np.array([0.0, *inputs.index.origin])
     size = 10 ** rng.uniform(-4, -1.3, STEPS)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache, lru_cache
-from typing import Any, NamedTuple
+from operator import itemgetter
+from struct import pack_into
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numba import types
@@ -31,16 +33,29 @@ class Block:
 
     def __init__(self, declared: Any, sizes: dict[str, int], **given: Any) -> None:
         """Lay out a named tuple of this class."""
-        self._given = given
         names = tuple(given)
         self._scheme = scheme = _scheme(declared, names)
-        self._sized = sized = _sized(declared, names, tuple(map(sizes.__getitem__, scheme.names)))
-        self._words = slots = np.zeros(sized.words, dtype=np.int64)
-        self._reals = slots.view(np.float64)
-        self.place = address(slots)
-        slots[scheme.addresses] = sized.places + self.place
-        slots[scheme.lengths] = sized.lengths
-        flat: list[int] = []
+        self._sized = sized = _sized(declared, names, scheme.chosen(sizes))
+        self._words = words = np.zeros(sized.words, dtype=np.int64)
+        self.place = place = address(words)
+        head = words[: len(sized.head)]
+        np.multiply(sized.placed, place, out=head)
+        head += sized.head
+        self._give(given)
+
+    def again(self, but: str, **given: Any) -> None:
+        """As it was made, with all zeros in its arrays ``but`` one, and given this.
+
+        By the same names.
+        """
+        begin, end, *_ = self._sized.pieces[self._scheme.laid[but][0]]
+        self._words[len(self._sized.head) : begin] = 0
+        self._words[end:] = 0
+        self._give(given)
+
+    def _give(self, given: dict[str, Any]) -> None:
+        self._given, scheme = given, self._scheme
+        flat: list[Any] = []
         for name, ndim in scheme.given:
             value = given[name]
             if ndim == 0:
@@ -52,21 +67,44 @@ class Block:
             else:
                 flat.append(address(value))
                 flat += value.shape
-        slots[scheme.told] = flat
-        for name, slot in scheme.reals:
-            self._reals[slot] = given[name]
+        if flat:
+            self._words[scheme.told] = flat
+        if scheme.reals:
+            reals = self._words.view(np.float64)
+            for name, slot in scheme.reals:
+                reals[slot] = given[name]
 
     @classmethod
     def of(cls, declared: Any, values: Iterable[Any]) -> Block:
         """A record of which all is given, field by field."""
         return cls(declared, {}, **dict(zip(layout(declared), values)))
 
+    @property
+    def words(self) -> int:
+        """How large it is, in words of eight bytes."""
+        return self._sized.words
+
+    def number(self, path: str) -> float:
+        """The first number of an array that was laid out, not a whole one."""
+        begin = self._sized.pieces[self._scheme.laid[path][0]][0]
+        return float(self._words[begin : begin + 1].view(np.float64)[0])
+
     def array(self, path: str) -> Any:
         """An array that was laid out, by the names of the records it is in: ``case.found.peak``."""
         k, real, ndim = self._scheme.laid[path]
         begin, end, rows, columns = self._sized.pieces[k]
-        made = (self._reals if real else self._words)[begin:end]
+        made = self._words[begin:end]
+        if real:
+            made = made.view(np.float64)
         return made.reshape(rows, columns) if ndim == 2 else made
+
+    def write(self, first: str, values: Sequence[float], kind: Literal["q", "d"]) -> None:
+        """Numbers from the begin of an array on, whole ones ("q") or not ("d").
+
+        Those that it has no place for go to the arrays laid out after it.
+        """
+        begin = self._sized.pieces[self._scheme.laid[first][0]][0]
+        pack_into(f"{len(values)}{kind}", self._words.data, begin * WORD, *values)
 
     def record(self, path: str) -> Laid:
         """A record that was laid out with this one: ``case.found``."""
@@ -116,7 +154,7 @@ class Scheme(NamedTuple):
     """How a record, those in it and their arrays lie one after the other, but for the sizes."""
 
     numbers: tuple[int, ...]  # the sizes that are known
-    names: tuple[str, ...]  # the others
+    chosen: Callable[[dict[str, int]], tuple[int, ...]]  # the others, of those by name
     rows: Ints  # (k,) of each piece, which size
     columns: Ints  # (k,)
     addresses: Ints  # (k - 1,) the slot of the address of each piece but the first
@@ -157,7 +195,7 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
     number = {size: k for k, size in enumerate((*numbers, *names))}
     return Scheme(
         numbers,
-        names,
+        _chooser(names),
         _ints(number[piece[0]] for piece in pieces),
         _ints(number[piece[1] if len(piece) == 2 else 1] for piece in pieces),
         _ints([*(slot for *_, slot in inner[1:]), *(slot for _, slot, _ in arrays)]),
@@ -174,12 +212,21 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
     )
 
 
+def _chooser(names: tuple[str, ...]) -> Callable[[dict[str, int]], tuple[int, ...]]:
+    """Picks the sizes of these names."""
+    if len(names) > 1:
+        return itemgetter(*names)
+    return lambda sizes: tuple(sizes[name] for name in names)
+
+
 class Sized(NamedTuple):
     """How all lies, sizes included."""
 
     words: int  # in all
-    places: Ints  # (k - 1,) bytes before each piece but the first
-    lengths: Ints  # what the slots of the arrays' shapes hold
+    head: (
+        Ints  # (slots,) of the records, but for what is given: addresses from the block's place on
+    )
+    placed: Ints  # (slots,) 1 where it is such an address
     pieces: list[tuple[int, int, int, int]]  # where each begins and ends, its rows and columns
 
 
@@ -191,7 +238,10 @@ def _sized(declared: Any, given: tuple[str, ...], sizes: tuple[int, ...]) -> Siz
     rows, columns = size[scheme.rows], size[scheme.columns]
     ends = np.add.accumulate(rows * columns)
     pieces = [*zip([0, *ends.tolist()], ends.tolist(), rows.tolist(), columns.tolist())]
-    return Sized(int(ends[-1]), ends[:-1] * WORD, size[scheme.shapes], pieces)
+    head, placed = np.zeros((2, pieces[len(scheme.inner)][1]), dtype=np.int64)
+    head[scheme.addresses], placed[scheme.addresses] = ends[:-1] * WORD, 1
+    head[scheme.lengths] = size[scheme.shapes]
+    return Sized(int(ends[-1]), head, placed, pieces)
 
 
 def _width(declared: Any) -> int:

@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.blocks import Laid
-from situgraph.matching.entries import find_peaks
+from situgraph.matching.blocks import Block
+from situgraph.matching.calls import Peaks, find_peaks
 from situgraph.matching.memory import Memory, stands, start_of
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.tables import CUT, Aim, Floats, Ints
-
-
-class Peaks(NamedTuple):
-    """What the search found."""
-
-    place: Floats  # (k, 5) height, yaw, x, y, L
-    shift: Ints  # (k,)
-    alike: Ints  # (N,) how many prior rooms explain each online room in isolation
-    done: Ints  # (4,) peaks, hypotheses, boxes, incomplete
-    case: Laid | None = None  # of the search, to look at the peaks in
+from situgraph.matching.tables import CUT, Aim
+from situgraph.matching.traces import Start, traces_of
 
 
 class Known:
-    """What searches by the walls alone have found: of an online graph that grows.
+    """What searches have found: for one match, or of an online graph that grows.
 
     Attributes:
         grows: whether more rooms may come; then each search leaves what the next can start from.
@@ -36,49 +26,60 @@ class Known:
         self.grows = grows
         self._peaks: dict[bool, tuple[Aim, Peaks]] = {}
         self._memories: dict[bool, Memory] = {}
-        self._maps: Laid | None = None  # the case of what was seen, for its mirror image
+        self._room: tuple[Block, Block] | None = None  # of the graph last searched: ``Peaks.room``
 
-    def by_walls(self, inputs: Inputs, aim: Aim) -> Peaks:
-        """What the search finds; from memory where as much was asked before."""
-        if inputs.semantics == "containment":  # there, objects decide what is found
-            return self._search(inputs, aim, False)
+    def find(self, inputs: Inputs, aim: Aim) -> Peaks:
+        """All peaks that are of account; from memory where as much was asked before.
+
+        They are weighed by objects where those are evidence.
+        """
+        # There, objects decide what is found, or there is nothing to find.
+        bare = inputs.semantics == "containment" or not inputs.count or not inputs.index.rooms
+        if not self.grows or bare:
+            return self._search(inputs, aim)
         before = self._peaks.get(inputs.flipped)
         if before is not None and _holds(before[0], aim):
-            return before[1]
-        found = self._search(inputs, aim, self.grows)
-        self._peaks[inputs.flipped] = aim, found._replace(case=None)  # which is large
+            return _weighed_anew(before[1], inputs)
+        found = self._search_on(inputs, aim)
+        self._peaks[inputs.flipped] = aim, found._replace(room=None)  # which is large
         return found
 
     def forget_peaks(self) -> None:
         """Rooms or planes are others now."""
-        self._peaks, self._maps = {}, None
+        self._peaks, self._room = {}, None
 
-    def _search(self, inputs: Inputs, aim: Aim, traced: bool) -> Peaks:
-        rooms = len(inputs.kept)
+    def _search_on(self, inputs: Inputs, aim: Aim) -> Peaks:
+        """Search from where the last search left off, and leave that to the next."""
+        before = self._memories.get(inputs.flipped)
+        traced = stands(before, inputs)
+        start = start_of(before, inputs, aim) if traced else None
+        found = self._search(inputs, aim, start, traced)
+        if start is not None and start.on and found.done[CUT]:
+            found = self._search(inputs, aim, start._replace(on=False), traced)
+        traces = traces_of(found.room, len(inputs.shifts)) if traced and found.room else None
+        self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
+        return found
+
+    def _search(
+        self, inputs: Inputs, aim: Aim, start: Start | None = None, traced: bool = False
+    ) -> Peaks:
+        """Search; the mirror image in the memory of the search for what was seen."""
+        rooms, last = inputs.count, self._room
+        self._room = None
         if not rooms or not inputs.index.rooms:
-            nothing = np.zeros(rooms, dtype=np.int64)
-            return Peaks(
-                np.empty((0, 5)),
-                np.zeros(0, dtype=np.int64),
-                nothing,
-                np.zeros(4, dtype=np.int64),
-            )
-        before = self._memories.get(inputs.flipped) if traced else None
-        kept = traced and stands(before, inputs)
-        start = start_of(before, inputs, aim) if kept else None
-        former = self._maps.record("ground").shared if self._maps and inputs.flipped else None
-        shared = not (kept or inputs.flipped) and len(inputs.mapping) == 1
-        asked: dict[str, Any] = {"traced": kept, "former": former, "shared": shared}
-        found = find_peaks(inputs.tables, inputs.mapping, aim, start, **asked)
-        if start is not None and start.on and found[3][CUT]:
-            start = start._replace(on=False)
-            found = find_peaks(inputs.tables, inputs.mapping, aim, start, **asked)
-        place, shift, alike, done, case, traces = found
+            none, nothing = np.zeros(0, dtype=np.int64), np.empty(0)
+            alike = np.zeros(rooms, dtype=np.int64)
+            return Peaks(np.empty((0, 5)), none, nothing, alike, 0.0, [0] * 4, None)
+        searched = inputs.tables, inputs.mapping, inputs.shifts, aim, inputs.objects
         if traced:
-            self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
-        self._maps = case if shared else None
-        place[:, 0] = inputs.shifts[shift]
-        return Peaks(place, shift, alike, done, case)
+            return find_peaks(*searched, start=start, traced=True)
+        if inputs.flipped:
+            same = last is not None and last[0] is inputs.draft
+            return find_peaks(*searched, room=last[1] if last and same else None)
+        found = find_peaks(*searched)
+        if found.room:
+            self._room = inputs.draft, found.room
+        return found
 
 
 def _holds(one: Aim, two: Aim) -> bool:
@@ -87,10 +88,10 @@ def _holds(one: Aim, two: Aim) -> bool:
     return one.least <= two.least and bool((one.loss <= two.loss * share).all())
 
 
-def find(inputs: Inputs, aim: Aim, known: Known) -> Peaks:
-    """All peaks that are of account, objects included where they are evidence."""
-    peaks = known.by_walls(inputs, aim)
+def _weighed_anew(peaks: Peaks, inputs: Inputs) -> Peaks:
+    """The same peaks, where objects may be others."""
     place = peaks.place.copy()
-    if len(place) and inputs.weighs_objects:
-        place[:, 4] += inputs.evidence(peaks.shift, place[:, 1:4], peaks.case)[0]
-    return peaks._replace(place=place, case=None)
+    place[:, 4] = peaks.walls
+    if len(place) and inputs.objects is not None:
+        place[:, 4] += inputs.evidence(peaks.shift, place[:, 1:4])[0]
+    return peaks._replace(place=place)

@@ -55,30 +55,35 @@ class Tables(NamedTuple):
         return room | {"peaks": peaks, "boxes": boxes} | several
 
 
-def room_of(seen: Seen, plan: Plan, storeys: int) -> dict[str, int]:
-    """``Tables.room`` for so many online storeys."""
-    rooms, prior = len(seen.storey), len(plan.storey)
-    wide, tall = plan.cells.tolist()
+def room_for(plan: Plan) -> dict[str, int]:
+    """The part of ``Tables.room`` that the plan alone tells."""
+    prior, (wide, tall) = len(plan.storey), plan.cells.tolist()
     return {
-        "N": rooms,
-        "N + 2": rooms + 2,
-        "P": len(seen.angle),
         "M": prior,
-        "M + N": prior + rooms,
-        "U": storeys,
-        "n": seen.widest,
-        "n + 1": seen.widest + 1,
         "m": plan.widest + 1,
-        "planes": seen.planes,
         "buckets": BUCKETS,
         "depth": DEPTH,
         "waiting": WAITING,
         "sides": SIDES,
         "like": prior // 64 + 1,
-        "words": 2 * rooms * wide * tall,
         "map": 4 * wide * tall,
         "blocks": (wide // 8 + 1) * (tall // 8 + 1),
         "left": 64 + 16 * wide * tall,
-        "sums": 3 + 2 * rooms.bit_length(),  # what is left, two carried, digits and waiting marks
         "height": tall + BESIDE,
     }
+
+
+def room_of(sizes: dict[str, int], plan: dict[str, int], storeys: int) -> dict[str, int]:
+    """``Tables.room`` for so many online storeys, of the sizes of a ``Drafting`` and of a plan."""
+    rooms = sizes["N"]
+    return (
+        sizes
+        | plan
+        | {
+            "N + 2": rooms + 2,
+            "M + N": plan["M"] + rooms,
+            "U": storeys,
+            "words": rooms * plan["map"] // 2,
+            "sums": 3 + 2 * rooms.bit_length(),  # what is left, two carried, digits, waiting marks
+        }
+    )

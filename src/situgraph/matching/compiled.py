@@ -87,7 +87,7 @@ def _compiled(function: F, **options: Any) -> F:
 
 def announce_compilation(entry: Any) -> None:
     """Say on stderr, once, that the first use ever compiles."""
-    if getattr(entry, "signatures", True) or (
+    if getattr(entry, "overloads", True) or (
         _FOLDER is not None and any(_FOLDER.glob(f"*/{entry.__module__.rpartition('.')[2]}.*.nbi"))
     ):
         return

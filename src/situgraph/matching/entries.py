@@ -1,4 +1,4 @@
-"""What Python calls: all peaks of a match."""
+"""What Python calls: the search for all peaks of a match, and looks at placements."""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 # (the types of kernels are those of the tables; numba infers them)
@@ -7,15 +7,15 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from situgraph.matching.blocks import Block, Laid
 from situgraph.matching.boxes import SIDES
-from situgraph.matching.cases import Tables
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.containment import room_allowed
 from situgraph.matching.hypotheses import fits_somewhere
 from situgraph.matching.plain import is_plain, mark_whole, whole
 from situgraph.matching.records import record_at
 from situgraph.matching.search import outline, search
+from situgraph.matching.sightings import Evidence, evidence_at, nothing_claimed
+from situgraph.matching.sights import Sights, look_all
 from situgraph.matching.tables import (
     ANYWHERE,
     HELD,
@@ -23,18 +23,13 @@ from situgraph.matching.tables import (
     PEAKS,
     SETTLED,
     STAGE,
-    Aim,
     Case,
     Floats,
     Ints,
     IntTable,
     Table,
 )
-from situgraph.matching.traces import Start, Traces, recall, traces_of
 from situgraph.matching.views import look, unexplained
-
-ROOM, PEAKS_A_ROOM = 64, 2  # for peaks, to begin with: at least, for each prior room
-COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
 
 
 class Search(NamedTuple):
@@ -42,62 +37,29 @@ class Search(NamedTuple):
 
     case: Case
     shifts: IntTable  # (k, U)
+    heights: Floats  # (k,)
     shift: Annotated[Ints, "peaks"]
-    place: Annotated[Floats, "peaks", 5]  # 0, yaw, x, y, L
+    place: Annotated[Floats, "peaks", 5]  # height, yaw, x, y, L with what objects say
+    walls: Annotated[Floats, "peaks"]  # L without
     count: Annotated[Ints, 9]  # type: ignore[assignment]  # ``PEAKS`` to ``SETTLED``
     left: Annotated[Floats, "boxes", "sides"]  # the cover
     left_shift: Annotated[Ints, "boxes"]
     known: Table  # (g, SIDES) the cover of an earlier search
     known_first: Ints  # (shifts + 1,) where that of each shift begins; empty without one
     wanted: int  # groups of new rooms
-
-
-def find_peaks(
-    tables: Tables,
-    shifts: Ints,
-    aim: Aim,
-    start: Start | None = None,
-    *,
-    traced: bool = False,
-    former: Ints | None = None,
-    shared: bool = False,
-) -> tuple[Floats, Ints, Ints, Ints, Laid, Traces | None]:
-    """All peaks (k, 5) for all shifts of the storeys: 0, yaw, x, y, L; and the rows of ``shifts``.
-
-    And how many prior rooms are like each online room; what was done: peaks, hypotheses, boxes, 1
-    when incomplete, comparisons of planes, boxes left; the ``Case``, which may be worked in again;
-    and, where ``traced``, what a later search can start from. Maps may be ``shared`` with a search
-    for the mirror image, to which they are those of the ``former``.
-    """
-    most = max(ROOM, PEAKS_A_ROOM * len(tables.plan.storey))
-    boxes = min(COVER * (len(tables.plan.storey) + COVER), MOST_COVER) if traced else 0
-    given = tables.given(aim) | {"former": former}
-    known, first, wanted = None, None, 0
-    if start is not None and start.on:
-        known, first, wanted = start.cover, start.first, start.wanted
-    maps = len(shifts) if traced else 1
-    while True:
-        sizes = tables.sizes(peaks=most, boxes=boxes, maps=maps, shared=shared)
-        block = Block(
-            Search, sizes, shifts=shifts, known=known, known_first=first, wanted=wanted, **given
-        )
-        if start is not None:
-            recall(block, start)
-        search_all(block.place)
-        count: Ints = block.array("count").copy()
-        if count[PEAKS] <= most:
-            found = int(count[PEAKS])
-            place, shift = block.array("place")[:found].copy(), block.array("shift")[:found].copy()
-            alike: Ints = block.array("case.found.alike").copy()
-            traces = traces_of(block, len(shifts)) if traced else None
-            return place, shift, alike, count, block.record("case"), traces
-        most *= 16
+    evidence: Evidence
+    claim: Annotated[Ints, "objects"]
+    weighs: int  # whether there are objects to weigh
+    told: Annotated[Floats, 2]  # what rooms say for another building; objects of all peaks or nan
 
 
 @entry
-def search_all(place):
-    """Fill a ``Search``."""
-    _search_all(record_at(place, Search))
+def run(place, looks):
+    """Fill a ``Search``, or a ``Sights`` where it only ``looks``: one program, compiled once."""
+    if looks:
+        look_all(record_at(place, Sights))
+    else:
+        _search_all(record_at(place, Search))
 
 
 @part
@@ -105,8 +67,9 @@ def _search_all(wanted):
     case = wanted.case
     task, found = case.task, case.found
     _shapes_alike(case)
-    _weigh_others(case)
+    wanted.told[0] = _weigh_others(case)
     kept = left = 0
+    nothing_claimed(wanted.evidence)
     for z in range(len(wanted.shifts)):
         for u in range(len(task.storeys)):
             task.storeys[u] = wanted.shifts[z, u]
@@ -120,9 +83,15 @@ def _search_all(wanted):
         for k in range(found.count[PEAKS]):
             if kept < len(wanted.shift) and k < len(found.peak):
                 wanted.shift[kept] = z
+                wanted.place[kept, 0] = wanted.heights[z]
                 for c in range(4):
                     wanted.place[kept, c + 1] = found.peak[k, c]
                 wanted.place[kept, 4] += _rest(case, found.peak[k], found.rest[k])
+                wanted.walls[kept] = wanted.place[kept, 4]
+                if wanted.weighs:
+                    value = _weighed(wanted, found.peak[k], kept + 1)
+                    wanted.place[kept, 4] += value
+                    wanted.told[1] += value
             kept += 1
         for k in range(found.count[LEFT]):
             if left < len(wanted.left) and k < len(found.cover):
@@ -148,13 +117,20 @@ def _turn_to_maps(case, z):
 
 @part
 def _weigh_others(case):
-    """What each room says where it is not explained: it may be one like those of the plan."""
+    """What each room says where it is not explained: it may be one like those of the plan.
+
+    Returns what they say for another building, which is made of similar rooms, wall to wall.
+    """
     seen, limits, found = case.seen, case.limits, case.found
+    total = seen.tied[0] * limits.tied
     for r in range(len(found.other)):
         found.other[r] = 0.0
         if seen.shape[r] > 0:
-            share = limits.other_room * found.alike[r] / len(case.plan.storey)
-            found.other[r] = math.log1p(share * limits.shape_gain ** seen.shape[r])
+            share = found.alike[r] / len(case.plan.storey)
+            share *= limits.shape_gain ** seen.shape[r]
+            found.other[r] = math.log1p(limits.other_room * share)
+            total += math.log1p(share)
+    return total
 
 
 @part
@@ -172,6 +148,14 @@ def _rest(case, peak, known):
         return known
     look(case, case.one, peak[0], peak[1], peak[2], 0.0, 0.0)
     return unexplained(case, case.one)
+
+
+@part
+def _weighed(wanted, peak, number):
+    """What the objects say of a peak."""
+    case = wanted.case
+    look(case, case.one, peak[0], peak[1], peak[2], 0.0, 0.0)
+    return evidence_at(wanted.evidence, case.one, peak, number, wanted.claim)
 
 
 @part

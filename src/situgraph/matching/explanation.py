@@ -116,14 +116,14 @@ def _lacking(seen: Sequence[Object], planned: Sequence[Object], prior: SceneGrap
 
 def _alone(inputs: Inputs, one: Room, two: Room) -> list[Placement]:
     """The placements at which the prior room explains the online room, all others aside."""
-    from situgraph.matching.candidates import Known, find
+    from situgraph.matching.candidates import Known
     from situgraph.matching.index import PlanIndex
     from situgraph.matching.preparation import prepare
 
     config = msgspec.structs.replace(inputs.config, rival_ratio=0.0)
     index = PlanIndex(inputs.index.prior.replace(rooms=(two,)), config)
     pair = prepare(inputs.online.replace(rooms=(one,)), index, inputs.semantics, config)
-    place = find(pair, explaining(1, len(pair.kept)), Known()).place
+    place = Known().find(pair, explaining(1, pair.count)).place
     best = place[np.argsort(-place[:, 4], kind="stable")][:MOST_PLACES]
     found = []
     for z, yaw, x, y, _ in best.tolist():

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from situgraph.matching.blocks import Block
+from situgraph.matching.cases import room_for
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import Stock, stock_of
 from situgraph.matching.corners import MOST_PLANES, corners_of
@@ -53,7 +54,7 @@ class PlanIndex:
         self.config = config or MatchingConfig()
         rooms = read_rooms(prior, self.config.usable_tilt)
         normal, distance = plan_lines(rooms)
-        heights = np.array(storey_heights(prior))
+        heights = np.array(storey_heights(prior, range(len(prior.rooms))))
         self.kept: Ints = rooms.kept
         self.source: Ints = rooms.source
         # Numbers stay small, whatever far away origin the model has.
@@ -62,6 +63,7 @@ class PlanIndex:
         self.elevations: Floats = np.unique(heights[rooms.kept])
         self.area = _area(prior, heights, self.config.plan_margin)
         self.table = self._table(rooms, normal, distance, heights[rooms.kept])
+        self.room = room_for(self.table)
         self._narrower: dict[tuple[str, ...], PlanIndex] = {}
         self.room_ids = [prior.rooms[k].id for k in self.kept.tolist()]
         self.seconds = time.perf_counter() - begin

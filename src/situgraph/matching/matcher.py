@@ -6,15 +6,13 @@ import math
 import time
 from typing import Literal
 
-import numpy as np
-
-from situgraph.matching.candidates import Known, find
+from situgraph.matching.candidates import Known
 from situgraph.matching.compiled import announce_compilation
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.entries import search_all
+from situgraph.matching.entries import run
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.mirror import log_mirror
-from situgraph.matching.posterior import judge, log_outside
+from situgraph.matching.posterior import judge
 from situgraph.matching.preparation import prepare
 from situgraph.matching.result import Found, MatchResult
 from situgraph.scenegraph.graph import SceneGraph
@@ -82,12 +80,12 @@ def _match_whole(
 ) -> MatchResult:
     """What one placement explains of the map; ``mirror``: whether the plan may be mirrored."""
     begin = time.perf_counter()
-    announce_compilation(search_all)
+    announce_compilation(run)
     index = index.looked_for(online.modelled_categories)
     inputs = prepare(online, index, semantics, settings)
     searched = time.perf_counter()
-    peaks = find(inputs, inputs.aim, known)
-    outside = log_outside(peaks.alike, inputs.seen, index.rooms, settings)
+    peaks = known.find(inputs, inputs.aim)
+    outside = math.log(settings.outside_prior) + peaks.similar
     filtered = semantics == "containment"
     posterior = judge(
         peaks.place, peaks.shift, outside, inputs.log_spread, settings, filtered=filtered
@@ -97,7 +95,7 @@ def _match_whole(
         mirrored, whole = log_mirror(inputs, posterior, known)
         complete = complete and whole
     if mirrored > -math.inf:
-        elsewhere = float(np.logaddexp(outside, mirrored))
+        elsewhere = max(outside, mirrored) + math.log1p(math.exp(-abs(outside - mirrored)))
         posterior = judge(peaks.place, peaks.shift, elsewhere, inputs.log_spread, settings)
     end = time.perf_counter()
     found = Found(posterior, peaks.alike, peaks.done, complete, mirrored - posterior.total)

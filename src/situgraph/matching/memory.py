@@ -75,7 +75,7 @@ def _rows(former: Inputs, inputs: Inputs) -> Ints:
     planes = np.diff(now.first)
     same = (row >= 0) & (np.diff(then.first)[row] == planes)
     same &= (then.center[row] == now.center).all(axis=1)
-    same &= former.storeys[row] == inputs.storeys
+    same &= former.seen.storey[row] == inputs.seen.storey
     # Row by row of the planes of these rooms.
     here = np.flatnonzero(np.repeat(same, planes))
     room = now.room[here]

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.compiled import entry
+from situgraph.matching.compiled import entry, part
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import Floats, Ints, Seen
@@ -30,34 +30,92 @@ class Posterior(NamedTuple):
 
 
 @entry
-def distinct(peaks, distance, yaw, height):
-    """Rows of peaks (height, yaw, x, y, L), sorted best first.
+def weigh(peaks, candidates, order, spare, share, same, constant, outside, ratio):
+    """Rank peaks (height, yaw, x, y, L): those that no better one is the same as, best first.
 
-    That no better kept one is the same as.
+    ``same``: metres, radians and metres of height to which peaks are the same. Into ``candidates``
+    go those left, into ``order`` their rows, into ``share`` their probabilities: the logarithms of
+    their weights are L and ``constant``, against ``outside``. Returns how many there are, how many
+    weigh no less than ``ratio`` of the best, their probability, and ln of the sum of all weights.
     """
-    kept = np.empty(len(peaks), dtype=np.int64)
+    _sort(peaks, order, spare)
+    count = _distinct(peaks, order, same[0], same[1], same[2])
+    top = max(outside, peaks[order[0], 4] + constant) if count > 0 else outside
+    inside, solutions = 0.0, 0
+    for k in range(count):
+        for c in range(5):
+            candidates[k, c] = peaks[order[k], c]
+        share[k] = math.exp(candidates[k, 4] + constant - top)
+        inside += share[k]
+        solutions += share[k] >= ratio * share[0]
+    total = inside + math.exp(outside - top)
+    for k in range(count):
+        share[k] /= total
+    return count, solutions, inside / total, top + math.log(total)
+
+
+@part
+def _sort(peaks, order, spare):
+    """Rows of peaks, best first: by L to nine digits, then by height, yaw, x, y."""
+    n, width = len(order), 1
+    for k in range(n):
+        order[k] = k
+    while width < n:
+        for begin in range(0, n, 2 * width):
+            _merge(peaks, order, spare, begin, min(begin + width, n), min(begin + 2 * width, n))
+        for k in range(n):
+            order[k] = spare[k]
+        width *= 2
+
+
+@part
+def _merge(peaks, order, spare, begin, middle, end):
+    """Two sorted runs into one."""
+    i, j = begin, middle
+    for k in range(begin, end):
+        if j == end or (i < middle and not _before(peaks, order[j], order[i])):
+            spare[k] = order[i]
+            i += 1
+        else:
+            spare[k] = order[j]
+            j += 1
+
+
+@part
+def _before(peaks, i, k):
+    one, two = math.floor(peaks[i, 4] * 1e9 + 0.5), math.floor(peaks[k, 4] * 1e9 + 0.5)
+    if one != two:
+        return one > two
+    for c in range(4):
+        if peaks[i, c] != peaks[k, c]:
+            return peaks[i, c] < peaks[k, c]
+    return False
+
+
+@part
+def _distinct(peaks, order, distance, yaw, height):
+    """Keep in ``order`` those that no better kept one is the same as; returns how many."""
     count = 0
-    for k in range(len(peaks)):
+    for k in order:
         alone = True
-        for m in kept[:count]:
-            if (
-                (peaks[k, 2] - peaks[m, 2]) ** 2 + (peaks[k, 3] - peaks[m, 3]) ** 2
-                <= distance * distance
-                and abs(peaks[k, 0] - peaks[m, 0]) <= height
-                and abs(wrapped(peaks[k, 1] - peaks[m, 1])) <= yaw
-            ):
+        for m in range(count):
+            if _same(peaks, k, order[m], distance, yaw, height):
                 alone = False
                 break
         if alone:
-            kept[count] = k
+            order[count] = k
             count += 1
-    return kept[:count]
+    return count
 
 
-def log_outside(alike: Ints, seen: Seen, prior_rooms: int, config: MatchingConfig) -> float:
-    """Ln W of 'not in this plan': another building is made of similar rooms, wall to wall."""
-    tied = int(seen.tied[0]) * math.log1p(config.p_tied * config.shape_gain)
-    return math.log(config.outside_prior) + log_alike(alike, seen, prior_rooms, config) + tied
+@part
+def _same(peaks, k, m, distance, yaw, height):
+    dx, dy = peaks[k, 2] - peaks[m, 2], peaks[k, 3] - peaks[m, 3]
+    return (
+        dx * dx + dy * dy <= distance * distance
+        and abs(peaks[k, 0] - peaks[m, 0]) <= height
+        and abs(wrapped(peaks[k, 1] - peaks[m, 1])) <= yaw
+    )
 
 
 def log_alike(
@@ -92,22 +150,21 @@ def judge(
     ``containment``); the best need not be sure against ``outside`` then, which knows nothing of
     the filter.
     """
-    z, yaw, x, y, height = peaks.T
-    order = np.lexsort((y, x, yaw, z, -height.round(9)))
-    order = order[distinct(peaks[order], config.same_distance, config.same_yaw, config.same_height)]
-    candidate = peaks[order]
-    weight = candidate[:, 4] + math.log(1 - config.outside_prior) + spread
-    top = max(outside, float(weight[0])) if len(weight) else outside
-    share = np.exp(weight - top)
-    away, inside = math.exp(outside - top), float(share.sum())
-    total = inside + away
-    probability = share / total
+    size = len(peaks)
+    order, spare = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    candidates, share = np.empty((size, 5)), np.empty(size)
+    same = (config.same_distance, config.same_yaw, config.same_height)
+    constant = math.log(1 - config.outside_prior) + spread
+    count, solutions, inside, total = weigh(
+        peaks, candidates, order, spare, share, same, constant, outside, config.rival_ratio
+    )
+    away = math.exp(outside - total)
     verdict: Verdict = "none"
-    solutions = 0
-    if len(weight) and away <= inside:
-        solutions = int(np.count_nonzero(share >= config.rival_ratio * share[0]))
-        rivals = inside if filtered else total
+    if count and away <= inside:
+        rivals = inside if filtered else 1.0
         unique = solutions == 1 and share[0] >= config.unique_probability * rivals
         verdict = "unique" if unique else "ambiguous"
-    sums = (away / total, verdict, top + math.log(total))
-    return Posterior(candidate, shift[order], probability, solutions, *sums)
+    else:
+        solutions = 0
+    found = candidates[:count], shift[order[:count]], share[:count]
+    return Posterior(*found, solutions, away, verdict, total)

@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
-from situgraph.matching.blocks import Laid
+from situgraph.matching.blocks import Block
+from situgraph.matching.calls import Objects, views_at, weigh
 from situgraph.matching.cases import Tables, room_of
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.containment import content_of, no_content
+from situgraph.matching.drafting import drafted
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.posterior import log_spread
-from situgraph.matching.reading import Constants, Rooms, read_rooms, seen_tables, storey_heights
-from situgraph.matching.semantics import SeenObjects, rates_of, seen_objects
-from situgraph.matching.sightings import Rates
-from situgraph.matching.sights import views_at, weigh
+from situgraph.matching.reading import Constants, Rooms, list_rooms, storey_heights
+from situgraph.matching.semantics import list_objects, rates_of
 from situgraph.matching.storeys import storey_shifts
 from situgraph.matching.tables import Aim, Content, Floats, Ints, Limits, Seen, View, explaining
 from situgraph.scenegraph.graph import SceneGraph
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Inputs:
     """What is matched."""
 
@@ -31,28 +31,31 @@ class Inputs:
     config: MatchingConfig
     semantics: str
     flipped: bool  # whether it is the mirror image (x to -x) of the online graph
-    rooms: Rooms  # the online rooms that count; not mirrored
-    storeys: Ints  # (N,) of each of them
-    drawn: tuple[Tables, Tables]  # of the online graph and of its mirror image
+    count: int  # of the online rooms that count
+    draft: Block  # of a ``Drafting``
+    tables: Tables  # of the online graph, or of its mirror image
+    objects: Objects | None  # that are evidence, where there are any
+    object_ids: list[str]
     sigma: float  # of the offset of a wall that fits, metres
-    middles: Floats  # (2, 2) the means of their room centres, map frame
     shifts: Floats  # in height
     mapping: Ints  # prior storey of each online storey, by shift
 
     @property
+    def rooms(self) -> Rooms:
+        """The online rooms that count; not mirrored."""
+        return Rooms(*map(self.draft.array, Rooms._fields))
+
+    @property
     def kept(self) -> Ints:
-        """The online rooms that count."""
-        return self.rooms.kept
+        """Which rooms of the online graph they are."""
+        kept: Ints = self.draft.array("kept")
+        return kept
 
     @property
     def source(self) -> Ints:
         """The online plane of each row."""
-        return self.rooms.source
-
-    @property
-    def tables(self) -> Tables:
-        """The tables of a search."""
-        return self.drawn[self.flipped]
+        source: Ints = self.draft.array("source")
+        return source
 
     @property
     def seen(self) -> Seen:
@@ -72,18 +75,18 @@ class Inputs:
     @property
     def middle(self) -> Floats:
         """The mean of the room centres, map frame."""
-        middle: Floats = self.middles[int(self.flipped)]
+        middle: Floats = self.draft.array("middle")[int(self.flipped)]
         return middle
 
     @property
     def least(self) -> int:
         """K: how many rooms a candidate explains at least."""
-        return self.config.least_rooms(len(self.kept))
+        return self.config.least_rooms(self.count)
 
     @property
     def aim(self) -> Aim:
         """What a candidate has to explain."""
-        return explaining(self.least, len(self.kept))
+        return explaining(self.least, self.count)
 
     @property
     def log_spread(self) -> float:
@@ -93,40 +96,22 @@ class Inputs:
     @property
     def weighs_objects(self) -> bool:
         """Whether objects are evidence, and there are any."""
-        return (
-            self.semantics == "likelihood"
-            and bool(self.online.objects)
-            and bool(self.index.objects.column)
-        )
-
-    @cached_property
-    def objects(self) -> SeenObjects:
-        """The online objects that are evidence."""
-        tables = (self.kept, self.source, self.middle, self.index.objects)
-        return seen_objects(self.online, *tables, self.flipped)
-
-    @cached_property
-    def rates(self) -> Rates:
-        """The error rates of the plan's categories."""
-        if self.config is self.index.config:
-            return self.index.rates
-        return rates_of(self.index.objects, self.config)
+        return self.objects is not None
 
     def mirrored(self) -> Inputs:
         """The same of the mirror image (x to -x) of the online graph."""
-        return replace(self, flipped=True)
+        tables = self.tables._replace(seen=cast(Seen, self.draft.record("image")))
+        objects = self.objects and self.objects._replace(side=-1.0)
+        return Inputs(**vars(self) | {"flipped": True, "tables": tables, "objects": objects})
 
     def views(self, shift: Ints, at: Floats) -> View:
         """What is explained at placements (k,), (k, 3): ``View``'s fields, a placement a row."""
         return views_at(self.tables, self.mapping, shift, at)
 
-    def evidence(self, shift: Ints, at: Floats, case: Laid | None = None) -> tuple[Floats, Ints]:
-        """What the objects say of placements, and which prior object each online one is (k, n).
-
-        ``case``, where there is one, is that of a search.
-        """
-        objects = (self.objects.table, self.index.objects.table, self.rates)
-        return weigh(self.tables, self.mapping, *objects, shift, at, case)
+    def evidence(self, shift: Ints, at: Floats) -> tuple[Floats, Ints]:
+        """What the objects say of placements, and which prior object each online one is (k, n)."""
+        assert self.objects is not None
+        return weigh(self.tables, self.mapping, self.objects, shift, at)
 
 
 def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: MatchingConfig) -> Inputs:
@@ -136,19 +121,29 @@ def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: Matchi
         InputError: a room names a plane that is not there.
     """
     constants = index.constants if config is index.config else Constants(config)
-    rooms = read_rooms(online, config.usable_tilt)
-    level = storey_heights(online)
-    levels = [level[r] for r in rooms.kept.tolist()]
-    heights = sorted(set(levels))
-    storeys = np.array([heights.index(z) for z in levels], dtype=np.int64)
-    seen, image, middles, spread = seen_tables(rooms, storeys, constants.limits(config.plane_sigma))
-    sigma = config.sigma_of(spread)
-    limits = constants.limits(sigma)
-    shifts, mapping = storey_shifts(np.array(heights), index.elevations, config.storey_tolerance)
+    listed = list_rooms(online, config.usable_tilt)
+    heights = storey_heights(online, listed.kept)
+    levels = sorted(set(heights))
+    column: dict[str, int] = {}
+    rates = None
+    if semantics == "likelihood" and online.objects and index.objects.column:
+        column = index.objects.column
+        rates = index.rates if config is index.config else rates_of(index.objects, config)
+    things = list_objects(online, listed.kept, listed.row, column)
+    spots = [levels.index(z) for z in heights]
+    limits = constants.limits(config.plane_sigma)
+    draft, sizes = drafted(online, listed, spots, things, limits, rates)
+    sigma = config.sigma_of(draft.number("spread"))
+    shifts, mapping = storey_shifts(np.array(levels), index.elevations, config.storey_tolerance)
     content = no_content()
     if semantics == "containment":
-        content = content_of(online, index.stock, rooms.kept, rooms.first, rooms.source)
-    tables = Tables(seen, index.table, limits, content, room_of(seen, index.table, len(heights)))
-    drawn = tables, tables._replace(seen=image)
-    common = online, index, config, semantics, False, rooms, storeys, drawn
-    return Inputs(*common, sigma, middles, shifts, mapping)
+        rooms = map(draft.array, ("kept", "first", "source"))
+        content = content_of(online, index.stock, *rooms)
+    room = room_of(sizes, index.room, len(levels))
+    seen = cast(Seen, draft.record("seen"))
+    tables = Tables(seen, index.table, constants.limits(sigma), content, room)
+    objects = None
+    if rates is not None:
+        objects = Objects(len(things.ids), draft.record("sighted"), 1.0, index.objects.table, rates)
+    what = online, index, config, semantics, False, len(listed.kept)
+    return Inputs(*what, draft, tables, objects, things.ids, sigma, shifts, mapping)

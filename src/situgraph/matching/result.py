@@ -24,7 +24,7 @@ class Found(NamedTuple):
 
     posterior: Posterior
     alike: Ints  # (N,) how many prior rooms explain each online room in isolation
-    done: Ints  # (4,) peaks, hypotheses, boxes, incomplete
+    done: list[int]  # peaks, hypotheses, boxes, incomplete
     complete: bool
     log_mirror: float  # of the probability that the plan is mirrored; -inf when it is of no account
 

@@ -7,17 +7,15 @@ plan does not model are no evidence.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from itertools import accumulate, chain, pairwise
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from situgraph.matching.blocks import Block
 from situgraph.matching.config import MatchingConfig
-from situgraph.matching.sightings import Planned, Rates, Sighted
+from situgraph.matching.sightings import Planned, Rates
 from situgraph.matching.tables import Floats, Ints
-from situgraph.matching.wall_errors import most_shared
 from situgraph.scenegraph.graph import SceneGraph
 
 
@@ -30,13 +28,14 @@ class PlannedObjects(NamedTuple):
     table: Planned
 
 
-class SeenObjects(NamedTuple):
+class ListedObjects(NamedTuple):
     """The online objects that are evidence."""
 
-    ids: tuple[str, ...]
-    table: Sighted
-    only: list[int]  # the room each is in, where that is one; else -1
-    rows: int  # of planes that objects may be on
+    ids: list[str]
+    spot: list[float]  # x, y and z of each, map frame
+    entry: list[int]  # of each: category, 1 when it is on any plane, where its rooms and planes end
+    room: list[int]  # the countable rooms each is in
+    plane: list[int]  # the planes of the graph each is on
 
 
 def planned_objects(
@@ -71,53 +70,32 @@ def planned_objects(
     return PlannedObjects(tuple(o.id for o in objects), column, share, table)
 
 
-def seen_objects(
-    online: SceneGraph,
-    kept: Ints,
-    source: Ints,
-    middle: Floats,
-    planned: PlannedObjects,
-    flipped: bool,
-) -> SeenObjects:
-    """The online objects of modelled categories that are in a room that counts.
+def list_objects(
+    online: SceneGraph, kept: list[int], row: dict[str, int], column: dict[str, int]
+) -> ListedObjects:
+    """The online objects of the categories in ``column`` that are in a room that counts.
 
-    ``flipped``: of the mirror image, of which ``middle`` is the mean room centre.
+    ``kept`` are those rooms, ``row`` the planes of the graph by id.
     """
-    rooms = {online.rooms[k].id: i for i, k in enumerate(kept.tolist())}
-    rows: dict[str, list[int]] = {}
-    for k, plane in enumerate(source.tolist()):
-        rows.setdefault(online.planes[plane].id, []).append(k)
-    ids: list[str] = []
-    place: list[float] = []
-    category: list[int] = []
-    hung: list[int] = []
-    only: list[int] = []
-    room_first, row_first = [0], [0]
-    room: list[int] = []
-    row: list[int] = []
-    for o in online.objects:
-        column = planned.column.get(o.category)
-        if column is None:
+    rooms = {online.rooms[k].id: r for r, k in enumerate(kept)}
+    listed = ids, spot, entry, room, plane = ListedObjects([], [], [], [], [])
+    for o in online.objects if column else ():
+        category, begin = column.get(o.category), len(room)
+        if category is None:
             continue
-        begin = len(room)
         for name in o.rooms:
             if name in rooms:
                 room.append(rooms[name])
         if len(room) == begin:
             continue
-        for name in o.planes:
-            row += rows.get(name, ())
+        planes = o.planes
+        for name in planes:
+            if name in row:
+                plane.append(row[name])
         ids.append(o.id)
-        category.append(column)
-        x, y, _ = o.center
-        place += (-x if flipped else x, y)
-        hung.append(1 if o.planes else 0)
-        only.append(room[begin] if len(room) == begin + 1 else -1)
-        room_first.append(len(room))
-        row_first.append(len(row))
-    at = np.fromiter(place, dtype=np.float64).reshape(-1, 2) - middle
-    whole = _pieces((category, room_first, room, row_first, row, hung))
-    return SeenObjects(tuple(ids), Sighted(whole[0], at, *whole[1:]), only, len(source))
+        spot += o.center
+        entry += (category, 1 if planes else 0, len(room), len(plane))
+    return listed
 
 
 def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
@@ -152,24 +130,6 @@ def rates_of(planned: PlannedObjects, config: MatchingConfig) -> Rates:
     seen = np.maximum(np.maximum(values["hit"], values["confusion"]), values["duplicate"])
     values["most"] = np.maximum(np.maximum(near + seen, values["false"]), 0.0)
     return Rates(**values, slots=Block(Rates, {}, **values))
-
-
-def most_evidence(seen: SeenObjects, rates: Rates) -> tuple[list[float], float]:
-    """An upper bound on the log ratio: what each online object adds, and what walls add.
-
-    Each is at its place and on its wall, or of no account. Prior objects that were missed only
-    lower the sum, and so does a wall whose objects are told apart.
-    """
-    table = seen.table
-    together = most_shared(table.row_first, table.row, seen.rows, rates.shared)
-    return rates.most[table.category].tolist(), float(together)
-
-
-def _pieces(lists: Sequence[list[int]]) -> list[Ints]:
-    """Each list as an array; they are made at once, which is faster."""
-    ends = [*accumulate(map(len, lists), initial=0)]
-    whole = np.fromiter(chain.from_iterable(lists), np.int64, ends[-1])
-    return [whole[begin:end] for begin, end in pairwise(ends)]
 
 
 def _packed(lists: Iterable[list[int]]) -> tuple[Ints, Ints]:

@@ -38,13 +38,13 @@ class Planned(NamedTuple):
 class Sighted(NamedTuple):
     """The online objects; lengths from the mean room centre, map frame."""
 
-    category: Ints  # (n,)
-    place: Table  # (n, 2)
-    room_first: Ints  # (n + 1,) the countable rooms each is in
-    room: Ints
-    row_first: Ints  # (n + 1,) the plane rows each is on
-    row: Ints
-    hung: Ints  # (n,) 1 when it is on any plane
+    category: Annotated[Ints, "objects"]
+    hung: Annotated[Ints, "objects"]  # 1 when it is on any plane
+    room_first: Annotated[Ints, "objects + 1"]  # the countable rooms each is in
+    room: Annotated[Ints, "homes"]
+    place: Annotated[Floats, "objects", 2]
+    row_first: Annotated[Ints, "objects + 1"]  # the plane rows each is on
+    row: Annotated[Ints, "hung rows"]
 
 
 class Rates(NamedTuple):
@@ -92,6 +92,7 @@ class Evidence(NamedTuple):
     """The objects of both graphs, and room to work in."""
 
     sighted: Sighted
+    side: float  # 1, or -1 for the mirror image
     planned: Planned
     rates: Rates
     links: Links
@@ -145,8 +146,8 @@ def _link(t, view, at, number):
     total, count = 0.0, 0
     for o in range(n):
         mine = sighted.category[o]
-        px = at[1] + c * sighted.place[o, 0] - s * sighted.place[o, 1]
-        py = at[2] + s * sighted.place[o, 0] + c * sighted.place[o, 1]
+        x, y = t.side * sighted.place[o, 0], sighted.place[o, 1]
+        px, py = at[1] + c * x - s * y, at[2] + s * x + c * y
         begin, here, rest = count, False, rates.false[mine]
         links.second[o] = -1
         for e in range(sighted.room_first[o], sighted.room_first[o + 1]):

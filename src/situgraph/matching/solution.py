@@ -118,7 +118,7 @@ class Solution:
             return {}
         _, claims = i.evidence(np.array([self._shift]), np.array([self._at]))
         planned = i.index.objects.ids
-        pairs = zip(i.objects.ids, claims[0].tolist())
+        pairs = zip(i.object_ids, claims[0].tolist())
         return {mine: planned[theirs] for mine, theirs in pairs if theirs >= 0}
 
     @cached_property

@@ -54,6 +54,7 @@ class Limits(NamedTuple):
     room_false: float
     other_room: float  # probability that a room that is not explained is like those of the plan
     shape_gain: float  # likelihood ratio of each plane of a shape that was met before
+    tied: float  # log ratio of walls that stand wall to wall, in another building
     plane_weight: float  # 1 / (2 sigma^2)
     angle_weight: float
     same_distance: float

@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
-from situgraph.matching.compiled import entry, part
+from situgraph.matching.compiled import part
 from situgraph.matching.grouping import first_of, join
 from situgraph.matching.tables import Floats, Ints
 
@@ -87,8 +85,9 @@ def _measure(t, at):
             continue
         root = first_of(walls.wall, o)
         walls.wall[o] = root
-        dx = at[1] + c * sighted.place[o, 0] - s * sighted.place[o, 1] - planned.place[q, 0]
-        dy = at[2] + s * sighted.place[o, 0] + c * sighted.place[o, 1] - planned.place[q, 1]
+        x, y = t.side * sighted.place[o, 0], sighted.place[o, 1]
+        dx = at[1] + c * x - s * y - planned.place[q, 0]
+        dy = at[2] + s * x + c * y - planned.place[q, 1]
         square = dx * dx + dy * dy
         walls.off[o, 0], walls.off[o, 1] = dx, dy
         walls.bell[o] = _in_bell(t.rates, square)
@@ -150,21 +149,25 @@ def most_ratio(count, shared):
     return -(count - 1.0) * math.log1p(-shared) - math.log1p((count - 1.0) * shared)
 
 
-@entry
-def most_shared(first, row, rows, shared):
-    """The largest sum of what all walls can give; ``row`` are the plane rows of each object."""
-    n = len(first) - 1
-    wall, one, size = np.arange(n), np.full(rows, -1, dtype=np.int64), np.zeros(n)
-    for o in range(n):
-        for e in range(first[o], first[o + 1]):
-            if one[row[e]] < 0:
-                one[row[e]] = o
+@part
+def most_shared(t):
+    """The largest sum of what all walls of a ``Drafting`` can give."""
+    sighted, wall, size, shared = t.sighted, t.wall, t.size, t.rates.shared
+    for i in range(len(t.hanger)):
+        t.hanger[i] = -1
+    for o in range(len(wall)):
+        wall[o], size[o] = o, 0.0
+    for o in range(len(wall)):
+        for e in range(sighted.row_first[o], sighted.row_first[o + 1]):
+            i = sighted.row[e]
+            if t.hanger[i] < 0:
+                t.hanger[i] = o
             else:
-                join(wall, o, one[row[e]])
+                join(wall, o, t.hanger[i])
     total = 0.0
-    for o in range(n):
+    for o in range(len(wall)):
         size[first_of(wall, o)] += 1.0
-    for o in range(n):
+    for o in range(len(wall)):
         if size[o] > 1.0:
             total += most_ratio(size[o], shared)
     return total
