@@ -117,23 +117,25 @@ def _halves(rows: Ints, center: Floats, cut: Cut) -> list[Ints]:
 
 
 def chains_of(parts: list[Part], config: MatchingConfig) -> list[Chain]:
-    """What the parts' candidates can be put together to, best first; of one place the best."""
+    """What the parts' candidates can be put together to, best first; of one place the best.
+
+    Only such as place parts that hold half of the rooms.
+    """
     gaps = {(p, q): _gap(parts[p], parts[q]) for p in range(len(parts)) for q in range(p)}
     gaps |= {(q, p): gap for (p, q), gap in gaps.items()}
-    found: dict[tuple[tuple[int, int], ...], Chain] = {}
+    rooms = sum(len(part.rooms) for part in parts)
+    found: list[Chain] = []
+    known: set[tuple[int, int]] = set()  # parts and candidates in some chain
     for root, part in enumerate(parts):
         for rank in range(len(part.candidates)):
+            if (root, rank) in known:
+                continue
             chosen = _grow(root, rank, parts, gaps, config)
-            key = tuple((p, chosen[p][0]) for p in sorted(chosen))
-            chain = _chain(chosen, parts, config)
-            if key not in found or chain.weight > found[key].weight:
-                found[key] = chain
-    order = sorted(found, key=lambda key: (-found[key].weight, key))
-    kept: list[Chain] = []
-    for chain in (found[key] for key in order):
-        if not any(_same_place(chain, other) for other in kept):
-            kept.append(chain)
-    return kept
+            known.update((p, k) for p, (k, _) in chosen.items())
+            if 2 * sum(len(parts[p].rooms) for p in chosen) >= rooms:
+                found.append(_chain(chosen, parts, config))
+    found.sort(key=lambda chain: -chain.weight)
+    return _distinct(found)
 
 
 def _grow(root: int, rank: int, parts: list[Part], gaps: Gaps, config: MatchingConfig) -> Chosen:
@@ -146,14 +148,13 @@ def _grow(root: int, rank: int, parts: list[Part], gaps: Gaps, config: MatchingC
         left.remove(part)
         one = parts[beside].places[chosen[beside][0]]
         away = _misfit(one, parts[part].places, x, y, config)
-        value = parts[part].places[:, 4] - away
-        for k in np.argsort(-value, kind="stable").tolist():
+        near = np.flatnonzero(away < math.inf)
+        value = parts[part].places[near, 4] - away[near]
+        for k in near[np.argsort(-value, kind="stable")].tolist():
             rooms = parts[part].candidates[k].rooms.values()
-            if away[k] < math.inf and taken.isdisjoint(rooms):
+            if taken.isdisjoint(rooms):
                 chosen[part] = k, float(away[k])
                 taken.update(rooms)
-                break
-            if away[k] == math.inf:
                 break
     return chosen
 
@@ -201,8 +202,19 @@ def _chain(chosen: Chosen, parts: list[Part], config: MatchingConfig) -> Chain:
     return Chain(links, weight - twice * max(limits.fit_peak, 0.0))
 
 
-def _same_place(one: Chain, two: Chain) -> bool:
-    """Whether most of the rooms that both explain are the same."""
-    rooms, other = one.rooms, two.rooms
-    both = [r for r in rooms if r in other]
-    return bool(both) and 2 * sum(rooms[r] == other[r] for r in both) > len(both)
+def _distinct(chains: list[Chain]) -> list[Chain]:
+    """Of chains that agree in most rooms that both explain the first."""
+    online = {r: k for k, r in enumerate(sorted({r for c in chains for r in c.rooms}))}
+    prior = {a: k for k, a in enumerate(sorted({a for c in chains for a in c.rooms.values()}))}
+    kept: list[Chain] = []
+    told = np.full((len(chains), len(online)), -1)  # the prior room of each online room, or -1
+    for chain in chains:
+        row = told[len(kept)]
+        row[:] = -1
+        for r, a in chain.rooms.items():
+            row[online[r]] = prior[a]
+        both = (told[: len(kept)] >= 0) & (row >= 0)
+        same = both & (told[: len(kept)] == row)
+        if not (2 * same.sum(axis=1) > both.sum(axis=1)).any():
+            kept.append(chain)
+    return kept

@@ -22,11 +22,7 @@ def in_parts(whole: MatchResult, solve: Solve) -> MatchResult:
     begin = time.perf_counter()
     for cut in CUTS:
         parts = parts_of(whole, solve, cut)
-        chains = [
-            chain
-            for chain in chains_of(parts, whole.inputs.config)
-            if 2 * sum(len(parts[p].rooms) for p in chain.links) >= len(whole.inputs.kept)
-        ]
+        chains = chains_of(parts, whole.inputs.config)
         if chains and (found := BentResult(whole, parts, chains)).verdict != "none":
             if found.unique and not _is_anchored(parts, chains[0], solve):
                 found.verdict = "ambiguous"
