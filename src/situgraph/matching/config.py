@@ -256,6 +256,10 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
         sigma = min(math.hypot(self.plane_sigma, self.map_bend * spread * spread), widest)
         return max(math.ceil(sigma * 1000 - 1e-6) / 1000, self.plane_sigma)
 
+    def may_be_cut(self, rooms: int) -> bool:
+        """Whether a map of so many rooms is placed in parts where no placement is left: three."""
+        return 0 < 3 * self.part_rooms <= rooms
+
     def least_rooms(self, rooms: int) -> int:
         """K: how many of so many online rooms a candidate must explain."""
         if rooms <= self.all_rooms_up_to:

@@ -59,8 +59,7 @@ def match_knowing(
     and these semantics.
     """
     result = _match_whole(online, index, semantics, settings, known)
-    least = settings.part_rooms
-    if result.verdict != "none" or least == 0 or len(result.inputs.kept) < 2 * least:
+    if result.verdict != "none" or not settings.may_be_cut(len(result.inputs.kept)):
         return result
     from situgraph.matching.bent_result import in_parts
 

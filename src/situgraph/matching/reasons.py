@@ -32,8 +32,8 @@ def _none(result: MatchResult) -> str:
                 f"the search was cut short ({tried} placements tried) and found none that explains "
                 f"at least {least} of {rooms} rooms"
             )
-        parts = result.inputs.config.part_rooms
-        nor = ", nor do parts of the map by themselves" if 0 < 2 * parts <= rooms else ""
+        cut = result.inputs.config.may_be_cut(rooms)
+        nor = ", nor do parts of the map by themselves" if cut else ""
         return f"no placement explains at least {least} of {rooms} rooms ({tried} tried){nor}"
     outside = f"{100 * result.probability_outside:.3g} %"
     if result.probability_mirrored > result.probability_outside / 2:
