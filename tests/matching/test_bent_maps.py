@@ -202,3 +202,9 @@ def test_none_says_that_parts_were_tried() -> None:
     result = sg.match(sample.online, make_layout("random", 60, 1))
     assert result.verdict == "none"
     assert "nor do parts of the map by themselves" in result.reason
+
+
+def test_small_maps_are_not_cut() -> None:
+    assert not MatchingConfig().may_be_cut(11)
+    assert MatchingConfig().may_be_cut(12)
+    assert not RIGID.may_be_cut(100)
