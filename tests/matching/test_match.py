@@ -78,7 +78,7 @@ def test_a_map_that_drift_has_bent_keeps_its_place() -> None:
         sample.truth.placement.points([[0.0, 0.0]])[0],
     )
     assert apart < 0.5  # where the walk began, at the edge of the map
-    rigid = PlanIndex(prior, MatchingConfig(map_bend=0.0, part_rooms=0))
+    rigid = PlanIndex(prior, MatchingConfig(map_bend=0.0))
     assert match(sample.online, rigid, semantics="none").verdict == "none"
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.matching.updates import assert_as_from_scratch
 
 from situgraph.experiments.oracle.comparison import compare
 from situgraph.experiments.oracle.definition import Definition
@@ -79,11 +80,4 @@ def test_updates_among_equal_rooms(errors: SamplerConfig) -> None:
     online = sample_online(plan, 12, 1, errors).online
     matcher = Matcher(plan, semantics="none")
     for n in range(1, len(online.rooms) + 1):
-        seen = online.replace(rooms=online.rooms[:n])
-        found, again = matcher.update(seen), match(seen, matcher.index, semantics="none")
-        assert found.candidates == again.candidates
-        for k in range(min(found.candidates, 30)):
-            one, two = found.candidate(k), again.candidate(k)
-            assert one is not None
-            assert two is not None
-            assert one.to_dict() == two.to_dict()
+        assert_as_from_scratch(matcher, online.replace(rooms=online.rooms[:n]))

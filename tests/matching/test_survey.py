@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
+from tests.matching.updates import assert_as_from_scratch
 
 from situgraph.experiments.oracle.comparison import compare
 from situgraph.experiments.oracle.definition import Definition
@@ -37,11 +38,4 @@ def test_updates(kind: str) -> None:
     online = sample_online(plan, 24, 1, STEADY).online
     matcher = Matcher(plan, semantics="none")
     for n in (8, 14, 16, 20, 21, 24):
-        seen = online.replace(rooms=online.rooms[:n])
-        found, again = matcher.update(seen), match(seen, matcher.index, semantics="none")
-        assert found.candidates == again.candidates
-        for k in range(min(found.candidates, 30)):
-            one, two = found.candidate(k), again.candidate(k)
-            assert one is not None
-            assert two is not None
-            assert one.to_dict() == two.to_dict()
+        assert_as_from_scratch(matcher, online.replace(rooms=online.rooms[:n]))

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from situgraph.geometry.poses import wrap_angle
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.posterior import log_alike
 from situgraph.matching.result import MatchResult
@@ -22,7 +23,7 @@ from situgraph.scenegraph.graph import SceneGraph
 
 Cut = Literal["across", "along"]  # the direction in which most rooms lie
 CUTS: tuple[Cut, ...] = ("across", "along")
-Solve = Callable[[SceneGraph, bool], MatchResult]  # a part; whether the plan may be mirrored
+Solve = Callable[[SceneGraph], MatchResult]  # of a part, as if the plan were not mirrored
 Chosen = dict[int, tuple[int, float]]  # of parts: which candidate, and what its gap costs
 Gap = tuple[float, float, float]  # how far two parts are apart, and the point between them
 Gaps = dict[tuple[int, int], Gap]
@@ -97,7 +98,7 @@ def parts_of(whole: MatchResult, solve: Solve, cut: Cut) -> list[Part]:
     while waiting:
         rows = waiting.pop(0)
         rooms = tuple(int(inputs.kept[k]) for k in rows)
-        result = solve(online.replace(rooms=tuple(online.rooms[k] for k in rooms)), False)
+        result = solve(online.replace(rooms=tuple(online.rooms[k] for k in rooms)))
         if result.verdict == "none" and len(rows) >= 2 * least:
             waiting[:0] = _halves(rows, center, "across")
         else:
@@ -172,7 +173,7 @@ def _misfit(one: Floats, all_two: Floats, x: float, y: float, config: MatchingCo
     two = all_two.T
     off = [_moved(two, x, y)[axis] - _moved(one, x, y)[axis] for axis in (0, 1)]
     gap = np.hypot(off[0], off[1]) / config.part_gap
-    turned = np.abs((two[3] - one[3] + math.pi) % (2 * math.pi) - math.pi)
+    turned = np.abs(wrap_angle(two[3] - one[3]))
     beside = (
         (turned <= config.part_yaw)
         & (np.abs(two[2] - one[2]) <= config.same_height)

@@ -14,6 +14,8 @@ import numpy as np
 
 from situgraph.matching.bent_map import CUTS, FARTHEST, Chain, Part, Solve, chains_of, parts_of
 from situgraph.matching.bent_solution import Answer, BentSolution
+from situgraph.matching.candidates import Known
+from situgraph.matching.mirror import log_mirror
 from situgraph.matching.result import MatchResult
 
 
@@ -24,18 +26,26 @@ def in_parts(whole: MatchResult, solve: Solve) -> MatchResult:
         parts = parts_of(whole, solve, cut)
         chains = chains_of(parts, whole.inputs.config)
         if chains and (found := BentResult(whole, parts, chains)).verdict != "none":
-            if found.unique and not _is_anchored(parts, chains[0], solve):
+            if found.unique and not _is_anchored(parts, chains[0]):
                 found.verdict = "ambiguous"
             found.take(time.perf_counter() - begin)
             return found
     return whole
 
 
-def _is_anchored(parts: list[Part], chain: Chain, solve: Solve) -> bool:
+def _is_anchored(parts: list[Part], chain: Chain) -> bool:
     """Whether some part is unique by itself, its mirror image considered."""
     unique = [p for p in chain.links if parts[p].result.unique]
     unique.sort(key=lambda p: (-len(parts[p].rooms), p))
-    return any(solve(parts[p].result.inputs.online, True).unique for p in unique)
+    return any(_stands_mirrored(parts[p].result) for p in unique)
+
+
+def _stands_mirrored(result: MatchResult) -> bool:
+    """Whether a unique answer stays so when the plan may be mirrored."""
+    if result.inputs.semantics == "containment":
+        return True
+    mirror, complete = log_mirror(result.inputs, result.found.posterior, Known())
+    return complete and mirror == -math.inf
 
 
 class BentResult(MatchResult):

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from situgraph.geometry.poses import Placement, best_placement, wrap_angle
-from situgraph.matching.solution import Deviation, Solution
+from situgraph.matching.solution import Deviation, Solution, written
 from situgraph.matching.tables import Floats
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -115,26 +115,15 @@ class BentSolution:
 
     def to_dict(self) -> dict[str, Any]:
         """A solution of the match JSON; ``parts`` has the placements one by one."""
-        return {
-            "transform": _record(self.transform),
-            "storeys": self.storeys,
-            "rooms": self.rooms,
-            "also_covers": self.also_covers,
-            "planes": self.planes,
-            "objects": self.objects,
-            "score": self.score,
-            "probability": self.probability,
-            "rms": self.rms,
-            "deviations": [msgspec.to_builtins(d) for d in self.deviations],
-            "parts": [
-                {"rooms": list(part.rooms), "transform": _record(part.transform), "rms": part.rms}
-                for part in self.parts
-            ],
-        }
-
-
-def _record(place: Placement) -> dict[str, float]:
-    return {"x": place.x, "y": place.y, "z": place.z, "yaw": place.yaw}
+        parts = [
+            {
+                "rooms": list(part.rooms),
+                "transform": msgspec.to_builtins(part.transform),
+                "rms": part.rms,
+            }
+            for part in self.parts
+        ]
+        return written(self) | {"parts": parts}
 
 
 def _together(mappings: Sequence[dict[str, Any]]) -> dict[str, Any]:

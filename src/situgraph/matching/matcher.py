@@ -63,8 +63,8 @@ def match_knowing(
         return result
     from situgraph.matching.bent_result import in_parts
 
-    def solve(part: SceneGraph, mirror: bool) -> MatchResult:
-        return _match_whole(part, index, semantics, settings, Known(), mirror)
+    def solve(part: SceneGraph) -> MatchResult:
+        return _match_whole(part, index, semantics, settings, Known(), mirror=False)
 
     return in_parts(result, solve)
 

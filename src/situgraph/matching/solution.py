@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -13,6 +13,9 @@ from situgraph.geometry.poses import Placement
 from situgraph.matching.posterior import Posterior
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.tables import FIT, MOVED, Floats, View
+
+if TYPE_CHECKING:
+    from situgraph.matching.bent_solution import Answer
 
 LEAST_DEPTH = 0.3  # metres; how far inside a room a centre must lie to be covered by it
 LEAST_DEVIATION = 0.1  # metres; smaller ones are not worth telling (DESIGN section 3)
@@ -215,19 +218,23 @@ class Solution:
 
     def to_dict(self) -> dict[str, Any]:
         """A solution of the match JSON."""
-        t = self.transform
-        return {
-            "transform": {"x": t.x, "y": t.y, "z": t.z, "yaw": t.yaw},
-            "storeys": self.storeys,
-            "rooms": self.rooms,
-            "also_covers": self.also_covers,
-            "planes": self.planes,
-            "objects": self.objects,
-            "score": self.score,
-            "probability": self.probability,
-            "rms": self.rms,
-            "deviations": [msgspec.to_builtins(d) for d in self.deviations],
-        }
+        return written(self)
+
+
+def written(solution: Answer) -> dict[str, Any]:
+    """What every solution of the match JSON has."""
+    return {
+        "transform": msgspec.to_builtins(solution.transform),
+        "storeys": solution.storeys,
+        "rooms": solution.rooms,
+        "also_covers": solution.also_covers,
+        "planes": solution.planes,
+        "objects": solution.objects,
+        "score": solution.score,
+        "probability": solution.probability,
+        "rms": solution.rms,
+        "deviations": [msgspec.to_builtins(d) for d in solution.deviations],
+    }
 
 
 def _enclosed(normals: Floats) -> bool:

@@ -21,13 +21,13 @@ def placed(online: SceneGraph, solution: Solution) -> SceneGraph:
         return transformed(online, solution.transform)
     moved = [transformed(online, part.transform) for part in solution.parts]
     home = {room: k for k, part in enumerate(solution.parts) for room in part.rooms}
-    known = np.array([online.room_by_id[r].center for r in home])
+    known, parts = np.array([online.room_by_id[r].center for r in home]), [*home.values()]
 
     def nearest(point: Iterable[float]) -> int:
         apart = np.linalg.norm(known - np.array([*point]), axis=1)
-        return list(home.values())[int(apart.argmin())]
+        return parts[int(apart.argmin())]
 
-    rooms = [home.get(r.id, nearest(r.center)) for r in online.rooms]
+    rooms = [home[r.id] if r.id in home else nearest(r.center) for r in online.rooms]
     of_room = {r.id: k for r, k in zip(online.rooms, rooms)}
     of_plane: dict[str, int] = {}
     for room, k in zip(online.rooms, rooms):
