@@ -11,18 +11,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import situgraph as sg
+from situgraph.experiments.certificate import COVERED
 from situgraph.experiments.outcomes import Judge
 from situgraph.geometry.poses import Placement, best_placement
 from situgraph.matching import MatchingConfig
 from situgraph.matching.bent_result import BentResult
 from situgraph.matching.bent_solution import BentSolution
 from situgraph.matching.explanation import explain_pair
-from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sample_truth import OnlineSample
 from situgraph.plan.sampler import sample_online
 from situgraph.plan.sampler_config import REALISTIC, SamplerConfig
 from situgraph.scenegraph.graph import SceneGraph
+from situgraph.scenegraph.mirror import mirrored
 from situgraph.scenegraph.transform import transformed
 from situgraph.view.config import ViewConfig
 from situgraph.view.floors import survey
@@ -79,6 +80,20 @@ def test_no_other_building_is_told(kind: str, policy: str) -> None:
             mirrored(make_layout(kind, 60, 2 * seed)),  # type: ignore[arg-type]
         ):
             assert not sg.match(sample.online, prior, semantics=policy).unique  # type: ignore[arg-type]
+
+
+def test_a_mirrored_plan_fits_worse_than_its_mirror_image() -> None:
+    """The map is not too bent for its own plan; of the mirrored one two parts fit by chance."""
+    building = make_layout("modular", 60, 170)
+    sample = sample_online(building, 12, 85, COVERED)
+    assert sg.match(sample.online, building, semantics="none").unique
+    away = sg.match(sample.online, mirrored(building), semantics="none")
+    assert away.verdict == "none"
+    assert isinstance(away, BentResult)
+    assert away.probability_mirrored > 0.99
+    assert "parts of it" in away.reason
+    assert "the plan is mirrored" in away.reason
+    assert away.to_dict()["solutions"] == []
 
 
 def test_a_building_that_maps_onto_itself_is_ambiguous() -> None:

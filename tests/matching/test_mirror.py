@@ -10,12 +10,12 @@ from situgraph.matching import MatchingConfig, PlanIndex, match
 from situgraph.matching.candidates import Known
 from situgraph.matching.mirror import aim_at
 from situgraph.matching.preparation import prepare
-from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sampler import sample_online
 from situgraph.plan.sampler_config import CLEAN, REALISTIC, SamplerConfig
 from situgraph.plan.six_rooms import six_rooms
+from situgraph.scenegraph.mirror import mirrored
 
 WITHOUT = MatchingConfig(mirror_prior=0.0)
 

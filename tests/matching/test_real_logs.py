@@ -12,8 +12,8 @@ from situgraph.geometry.poses import Placement
 from situgraph.io.g2o import read_g2o
 from situgraph.matching import PlanIndex
 from situgraph.matching.matcher import match
-from situgraph.plan.layout_changes import mirrored
 from situgraph.scenegraph.graph import SceneGraph
+from situgraph.scenegraph.mirror import mirrored
 from situgraph.scenegraph.transform import transformed
 
 SEEN = ("R3", "R4", "R5", "R6", "R7", "R8", "RAll")

@@ -14,10 +14,11 @@ from shapely.geometry import Polygon
 
 from situgraph.errors import InputError
 from situgraph.geometry.poses import Placement
-from situgraph.plan.layout_changes import Change, break_symmetry, mirrored
+from situgraph.plan.layout_changes import Change, break_symmetry
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
 from situgraph.scenegraph.graph import SceneGraph
+from situgraph.scenegraph.mirror import mirrored
 from situgraph.scenegraph.transform import transformed
 from situgraph.scenegraph.validation import validate
 

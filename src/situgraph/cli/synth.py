@@ -139,9 +139,10 @@ def command(
 
     Everything follows from --seed. Without -o only the summary is printed.
     """
-    from situgraph.plan.layout_changes import break_symmetry, mirrored
+    from situgraph.plan.layout_changes import break_symmetry
     from situgraph.plan.sampler import Sampler
     from situgraph.plan.synthesis import Synthesis
+    from situgraph.scenegraph.mirror import mirrored
 
     if see is None and (start is not None or noise != "none" or any(map(_given, errors.values()))):
         raise click.UsageError("noise, errors and --start are those of a sample: add --see N")

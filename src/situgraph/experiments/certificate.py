@@ -13,13 +13,13 @@ import numpy as np
 
 from situgraph.experiments.outcomes import Judge, tally
 from situgraph.matching import MatchingConfig, MatchResult, PlanIndex, match
-from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.layout_config import Kind
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sample_truth import OnlineSample
 from situgraph.plan.sampler import sample_online
 from situgraph.plan.sampler_config import REALISTIC, DetectionRates, SamplerConfig
 from situgraph.scenegraph.graph import SceneGraph
+from situgraph.scenegraph.mirror import mirrored
 
 # The errors the model of the matcher covers, and errors well beyond it.
 COVERED = msgspec.structs.replace(
@@ -109,6 +109,7 @@ def solve_trial(task: Mapping[str, Any]) -> dict[str, Any]:
         "admissible": not foreign and judge.admissible(result),
         "outcome": outcome,
         "rooms_right": judge.rooms_right(result),
+        "aside": judge.is_aside(result),
         "certified": result.certified,
         "complete": result.complete,
         "said": _said(result, judge, foreign),
@@ -168,7 +169,7 @@ def summarise_share(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def congruent(sample: OnlineSample, building: SceneGraph, index: PlanIndex) -> bool:
-    """Whether the walls that were seen, as planned and without error, are part of the plan."""
+    """Whether the walls that were seen and not moved, as planned, are part of the plan."""
     exact = _as_planned(sample, building)
     found = match(exact, index, semantics="none", config=EXACT).solutions
     seen = {p for room in exact.rooms for p in room.planes}
@@ -176,13 +177,18 @@ def congruent(sample: OnlineSample, building: SceneGraph, index: PlanIndex) -> b
 
 
 def _as_planned(sample: OnlineSample, building: SceneGraph) -> SceneGraph:
-    """The rooms of the building that were seen, each with the walls that were seen of it."""
+    """The rooms of the building that were seen, each with the walls that were seen in place.
+
+    A wall that was moved is in no plan, and a room with less than two others tells nothing.
+    """
     truth, rooms = sample.truth, []
+    moved = {m.prior for m in truth.moved}
     for mine, theirs in truth.rooms.items():
         planned = building.room_by_id[theirs]
         seen = {truth.planes.get(p) for p in sample.online.room_by_id[mine].planes}
-        walls = tuple(p for p in planned.planes if p in seen)
-        rooms.append(msgspec.structs.replace(planned, planes=walls))
+        walls = tuple(p for p in planned.planes if p in seen and p not in moved)
+        if len(walls) > 1:
+            rooms.append(msgspec.structs.replace(planned, planes=walls))
     return building.replace(rooms=tuple(rooms), objects=())
 
 
@@ -190,8 +196,10 @@ def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Wrongly unique in trials that the printed model covers, and in those beyond it.
 
     ``displaced`` are those wrong ones whose rooms are all right (more than 0.3 m off, that is),
-    ``expected_wrong`` is what the stated probabilities of the unique ones add up to. Foreign
-    robots that saw walls which the plan has as well (``congruent``) are counted apart.
+    ``aside`` those right ones that are true for the rooms they explain and, as the map is bent,
+    more than 0.3 m off the best fit over all rooms. ``expected_wrong`` is what the stated
+    probabilities of the unique ones add up to. Foreign robots that saw walls which the plan has
+    as well (``congruent``) are counted apart.
     """
     summary = {}
     for errors in ERRORS:
@@ -201,6 +209,7 @@ def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
         summary[f"trials_{errors}"] = {
             **tally(covered),
             "displaced": sum(r["outcome"] == "wrong" and r["rooms_right"] for r in covered),
+            "aside": sum(r["outcome"] == "right" and r["aside"] for r in covered),
             "inadmissible": tally(r for r in mine if not r["admissible"]),
             "foreign": tally(r for r in away if not r["congruent"]),
             "congruent": tally(r for r in away if r["congruent"]),

@@ -1,11 +1,13 @@
 """What became of a match, given the truth: right, ambiguous, none or wrong.
 
 *right*: unique, and the true placement; *wrong*: unique, and another one. Two placements are the
-same as the definition says (docs/matching.md, section 5).
+same as the definition says (docs/matching.md, section 5). Where drift has bent a map, rooms have
+different true placements: one that is true for the rooms it explains is right.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -26,7 +28,8 @@ from situgraph.scenegraph.graph import SceneGraph
 
 OUTCOMES = ("right", "ambiguous", "none", "wrong")
 ROUNDS = 4  # least-squares steps from the true placement
-STEP, TURN = 0.1, math.radians(1)  # metres and radians about the true placement
+STEP, TURN = 0.1, math.radians(1)  # about the true placement of a bent map, at most
+EXACT = 1e-9  # metres and radians, for rounding
 REACH = 20.0  # metres between the centres of rooms that may explain each other
 
 
@@ -40,9 +43,9 @@ class Judge:
 
     def is_true(self, placement: Placement) -> bool:
         """Whether a placement is the true one."""
-        if self._true is None:
-            return False
-        return same(self._problem, motion_of(self._problem, placement), self._true)
+        return self._true is not None and same(
+            self._problem, motion_of(self._problem, placement), self._true
+        )
 
     def outcome(self, result: MatchResult) -> str:
         """One of ``OUTCOMES``."""
@@ -51,18 +54,27 @@ class Judge:
         return "right" if self.is_right(result.best) else "wrong"
 
     def is_right(self, solution: Answer) -> bool:
-        """Whether a solution is the true place; of a bent map, whether each part of it is."""
-        if not isinstance(solution, BentSolution):
-            return self.is_true(solution.transform)
-        return all(self._holds_part(part) for part in solution.parts)
+        """Whether a solution is the true place, of all rooms or of those that it explains.
+
+        A map that is bent has a place for each of its rooms. Of an answer in parts each has to be
+        right for its own rooms.
+        """
+        if isinstance(solution, BentSolution):
+            return all(self._holds(part) for part in solution.parts)
+        return self.is_true(solution.transform) or self._holds(solution)
+
+    def is_aside(self, result: MatchResult) -> bool:
+        """Whether the best solution is right for the rooms that it explains, not for all rooms."""
+        best = result.best
+        return isinstance(best, Solution) and not self.is_true(best.transform) and self._holds(best)
 
     def rooms_right(self, result: MatchResult) -> bool:
         """Whether all rooms that the best solution explains are those they are."""
         best, true = result.best, self._truth.rooms
         return best is not None and all(true.get(r) == a for r, a in best.rooms.items())
 
-    def _holds_part(self, part: Solution) -> bool:
-        """Whether a part lies where the best rigid fit over its own true rooms has it."""
+    def _holds(self, part: Solution) -> bool:
+        """Whether a placement is where the best rigid fit over its own true rooms has it."""
         room, own = self._problem.online.room_by_id, self._truth.room_placements
         real = [r for r in part.rooms if r in own]
         if not real:
@@ -90,24 +102,36 @@ class Judge:
 
         Of the map as a whole, that is; an answer in parts claims to cover bent maps, so wherever
         one of the ``results`` is such the truth is admissible. Checked with the definition as the
-        brute force reads it, at the true placement and about it, where least squares lead from
-        there (a bent map has no exact place), and where one of the ``results`` puts it.
+        brute force reads it, at the true placement. A bent map has no exact one: it is checked as
+        far about it as the rooms' own placements differ from it, where least squares lead from
+        there, and where one of the ``results`` puts it, too.
         """
         if self._true is None:
             return False
         if any(isinstance(s, BentSolution) for r in results for s in r.solutions):
             return True
         known = (self._truth.placement, self._truth.start, *self._truth.room_placements.values())
-        starts = [motion_of(self._problem, start) for start in known]
+        starts = [motion_of(self._problem, placement) for placement in known]
+        bend = max(self._away(start) for start in starts)
+        turned = max(self._turned(start) for start in starts)
+        step, turn = min(STEP, bend), min(TURN, turned)
         starts += [
-            Motion(self._true.yaw + turn, self._true.point + np.array([x, y]), self._true.z)
-            for turn in (0.0, -TURN, TURN)
-            for x in (0.0, -STEP, STEP)
-            for y in (0.0, -STEP, STEP)
+            Motion(self._true.yaw + u * turn, self._true.point + step * np.array([x, y]), start.z)
+            for start in starts[:1]
+            for u, x, y in itertools.product((-1, 0, 1), repeat=3)
         ]
-        told = (s.transform for r in results for s in r.solutions if self.is_true(s.transform))
-        starts += [motion_of(self._problem, placement) for placement in told]
-        return any(self._feasible_from(start) for start in starts)
+        starts += [motion_of(self._problem, s.transform) for r in results for s in r.solutions]
+        return any(self._feasible_from(start, bend, turned) for start in starts)
+
+    def _away(self, motion: Motion) -> float:
+        """Metres between where a placement and the true one take the middle of the rooms."""
+        assert self._true is not None
+        return float(np.linalg.norm(motion.point - self._true.point))
+
+    def _turned(self, motion: Motion) -> float:
+        """Radians between a placement and the true one."""
+        assert self._true is not None
+        return abs(math.remainder(motion.yaw - self._true.yaw, 2 * math.pi))
 
     def contained(self) -> bool:
         """Whether every true pair of rooms and of planes passes the paper's containment filter."""
@@ -129,13 +153,16 @@ class Judge:
                 return False
         return True
 
-    def _feasible_from(self, motion: Motion) -> bool:
+    def _feasible_from(self, motion: Motion, bend: float, turned: float) -> bool:
+        """Whether the model holds here, or where least squares lead from here, about the truth."""
         problem = self._problem
         assert self._true is not None
         if not problem.planned:
             return False
         near = storeys(problem, motion.z) & _nearby(problem, motion)
         for _ in range(ROUNDS):
+            if self._away(motion) > bend + EXACT or self._turned(motion) > turned + EXACT:
+                return False
             seen = view(problem, motion, near)
             if seen.feasible and same(problem, motion, self._true):
                 return True

@@ -24,9 +24,9 @@ from situgraph.experiments.results import ExperimentResult
 from situgraph.experiments.runner import Experiment, RunOptions, run_experiment
 from situgraph.geometry.poses import Placement
 from situgraph.matching import MatchResult, PlanIndex, match
-from situgraph.plan.layout_changes import mirrored
 from situgraph.plan.sampler import Sampler
 from situgraph.scenegraph.graph import SceneGraph
+from situgraph.scenegraph.mirror import mirrored
 from situgraph.scenegraph.transform import transformed
 
 DATA = "../shared/data"

@@ -17,6 +17,7 @@ from situgraph.matching.bent_solution import Answer, BentSolution
 from situgraph.matching.candidates import Known
 from situgraph.matching.mirror import log_mirror
 from situgraph.matching.result import MatchResult
+from situgraph.scenegraph.mirror import mirrored
 
 
 def in_parts(whole: MatchResult, solve: Solve) -> MatchResult:
@@ -28,9 +29,27 @@ def in_parts(whole: MatchResult, solve: Solve) -> MatchResult:
         if chains and (found := BentResult(whole, parts, chains)).verdict != "none":
             if found.unique and not _is_anchored(parts, chains[0]):
                 found.verdict = "ambiguous"
+            if found.unique:
+                found = BentResult(whole, parts, chains, _log_mirror(whole, solve))
             found.take(time.perf_counter() - begin)
             return found
     return whole
+
+
+def _log_mirror(whole: MatchResult, solve: Solve) -> float:
+    """Ln W of 'the plan is mirrored': how well the map's mirror image fits, whole or in parts."""
+    inputs, config = whole.inputs, whole.inputs.config
+    if inputs.semantics == "containment" or config.mirror_prior <= 0:
+        return -math.inf
+    image = solve(mirrored(inputs.online))
+    best = -math.inf
+    if image.candidates:
+        best = float(image.found.posterior.candidate[0, 4]) + inputs.log_spread
+    if image.verdict == "none":
+        in_plan = math.log(1 - config.outside_prior)
+        chained = (chains_of(parts_of(image, solve, cut), config) for cut in CUTS)
+        best = max([best, *(chains[0].weight - in_plan for chains in chained if chains)])
+    return math.log(config.mirror_prior) + best
 
 
 def _is_anchored(parts: list[Part], chain: Chain) -> bool:
@@ -51,14 +70,22 @@ def _stands_mirrored(result: MatchResult) -> bool:
 class BentResult(MatchResult):
     """The answer where no placement explains the map as a whole, but placements of its parts do."""
 
-    def __init__(self, whole: MatchResult, parts: list[Part], chains: list[Chain]) -> None:
+    def __init__(
+        self,
+        whole: MatchResult,
+        parts: list[Part],
+        chains: list[Chain],
+        log_mirror: float = -math.inf,
+    ) -> None:
         """``whole`` is the answer for all rooms at once, ``chains`` are best first."""
-        super().__init__(whole.inputs, whole.found, whole.seconds)
-        self.parts = parts
-        top = max(chains[0].weight, whole.log_outside)
+        elsewhere = float(np.logaddexp(whole.log_outside, log_mirror))
+        top = max(chains[0].weight, elsewhere)
         share = np.exp([chain.weight - top for chain in chains])
-        away = math.exp(whole.log_outside - top)
+        away = math.exp(elsewhere - top)
         total = float(share.sum()) + away
+        found = whole.found._replace(log_mirror=log_mirror - top - math.log(total))
+        super().__init__(whole.inputs, found, whole.seconds)
+        self.parts = parts
         self._chains = list(zip(chains, (share / total).tolist()))
         self.probability_outside = away / total
         self.complete = all(part.complete for part in parts)

@@ -36,14 +36,18 @@ def _none(result: MatchResult) -> str:
         nor = ", nor do parts of the map by themselves" if cut else ""
         return f"no placement explains at least {least} of {rooms} rooms ({tried} tried){nor}"
     outside = f"{100 * result.probability_outside:.3g} %"
+    first = result.candidate(0)
+    fit = f"{_placements(candidates)} at least {least} of {rooms} rooms"
+    if isinstance(first, BentSolution):
+        fit = f"{_placement(first)} {_share(first, result)}"
     if result.probability_mirrored > result.probability_outside / 2:
         return (
-            f"{_placements(candidates)} at least {least} of {rooms} rooms, but their mirror image "
-            f"fits the plan better: the plan is mirrored, or not this one ({outside})"
+            f"{fit}, but their mirror image fits the plan better: the plan is mirrored, or not "
+            f"this one ({outside})"
         )
     return (
-        f"{_placements(candidates)} at least {least} of {rooms} rooms, but rooms like these fit by "
-        f"chance: not in this plan is the most probable ({outside})"
+        f"{fit}, but rooms like these fit by chance: not in this plan is the most probable "
+        f"({outside})"
     )
 
 

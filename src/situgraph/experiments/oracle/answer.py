@@ -19,7 +19,7 @@ from situgraph.experiments.oracle.problem import Flags, Problem
 from situgraph.experiments.oracle.regions import Regions
 from situgraph.experiments.oracle.scan import feasible_placements
 from situgraph.geometry.poses import Placement, rotation2, wrap_angle
-from situgraph.plan.layout_changes import mirrored
+from situgraph.scenegraph.mirror import mirrored
 
 COUNTS = 12.0  # nats below the best beyond which a candidate's exact L is of no account
 
