@@ -115,9 +115,9 @@ class Judge:
         bend = max(self._away(start) for start in starts)
         turned = max(self._turned(start) for start in starts)
         step, turn = min(STEP, bend), min(TURN, turned)
+        true = self._true
         starts += [
-            Motion(self._true.yaw + u * turn, self._true.point + step * np.array([x, y]), start.z)
-            for start in starts[:1]
+            Motion(true.yaw + u * turn, true.point + step * np.array([x, y]), true.z)
             for u, x, y in itertools.product((-1, 0, 1), repeat=3)
         ]
         starts += [motion_of(self._problem, s.transform) for r in results for s in r.solutions]
