@@ -15,6 +15,7 @@ from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import Floats, Ints, Seen
 
 Verdict = Literal["unique", "ambiguous", "none"]
+CELLS = 1024  # of peaks, a power of two
 
 
 class Posterior(NamedTuple):
@@ -30,16 +31,17 @@ class Posterior(NamedTuple):
 
 
 @entry
-def weigh(peaks, candidates, order, spare, share, same, constant, outside, ratio):
+def weigh(peaks, candidates, order, spare, cell, share, same, constant, outside, ratio):
     """Rank peaks (height, yaw, x, y, L): those that no better one is the same as, best first.
 
-    ``same``: metres, radians and metres of height to which peaks are the same. Into ``candidates``
+    ``same``: metres, radians and metres of height to which peaks are the same; ``cell`` and
+    ``spare`` are room to work in, the former all zeros. Into ``candidates``
     go those left, into ``order`` their rows, into ``share`` their probabilities: the logarithms of
     their weights are L and ``constant``, against ``outside``. Returns how many there are, how many
     weigh no less than ``ratio`` of the best, their probability, and ln of the sum of all weights.
     """
     _sort(peaks, order, spare)
-    count = _distinct(peaks, order, same[0], same[1], same[2])
+    count = _distinct(peaks, order, spare, cell, same)
     top = max(outside, peaks[order[0], 4] + constant) if count > 0 else outside
     inside, solutions = 0.0, 0
     for k in range(count):
@@ -93,19 +95,41 @@ def _before(peaks, i, k):
 
 
 @part
-def _distinct(peaks, order, distance, yaw, height):
-    """Keep in ``order`` those that no better kept one is the same as; returns how many."""
-    count = 0
+def _distinct(peaks, order, linked, cell, same):
+    """Keep in ``order`` those that no better kept one is the same as; returns how many.
+
+    They are found by cells of the plan as wide as the same peaks are apart at most: ``cell`` is the
+    number of the last one kept, plus 1, and ``linked`` that of the one before each.
+    """
+    count, width = 0, same[0]
     for k in order:
-        alone = True
-        for m in range(count):
-            if _same(peaks, k, order[m], distance, yaw, height):
-                alone = False
-                break
-        if alone:
-            order[count] = k
-            count += 1
+        x, y = math.floor(peaks[k, 2] / width), math.floor(peaks[k, 3] / width)
+        if _is_kept(peaks, k, order, linked, cell, x, y, same):
+            continue
+        at = _cell(x, y, len(cell))
+        order[count], linked[count] = k, cell[at]
+        count += 1
+        cell[at] = count
     return count
+
+
+@part
+def _is_kept(peaks, k, order, linked, cell, x, y, same):
+    """Whether a peak that was kept is the same as peak ``k``, which is in the cell (x, y)."""
+    for i in range(x - 1, x + 2):
+        for j in range(y - 1, y + 2):
+            m = cell[_cell(i, j, len(cell))] - 1
+            while m >= 0:
+                if _same(peaks, k, order[m], same[0], same[1], same[2]):
+                    return True
+                m = linked[m] - 1
+    return False
+
+
+@part
+def _cell(i, j, cells):
+    """Which of so many, a power of two, cells of the plan share."""
+    return (i * 73856093 ^ j * 19349663) & (cells - 1)
 
 
 @part
@@ -152,11 +176,11 @@ def judge(
     """
     size = len(peaks)
     order, spare = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
-    candidates, share = np.empty((size, 5)), np.empty(size)
+    candidates, share, cell = np.empty((size, 5)), np.empty(size), np.zeros(CELLS, dtype=np.int64)
     same = (config.same_distance, config.same_yaw, config.same_height)
     constant = math.log(1 - config.outside_prior) + spread
     count, solutions, inside, total = weigh(
-        peaks, candidates, order, spare, share, same, constant, outside, config.rival_ratio
+        peaks, candidates, order, spare, cell, share, same, constant, outside, config.rival_ratio
     )
     away = math.exp(outside - total)
     verdict: Verdict = "none"

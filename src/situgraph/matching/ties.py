@@ -34,23 +34,30 @@ def ties(t):
                     join(group, i, k)
     count = 0
     for r in range(len(seen.storey)):
-        for q in range(r):
-            for i in range(seen.first[r], seen.first[r + 1]):
-                for k in range(seen.first[q], seen.first[q + 1]):
-                    if abs(cross(t.normal, i, k)) <= least and _tied(t, r, q, i, k):
-                        count += join(group, i, k)
+        for i in range(seen.first[r], seen.first[r + 1]):
+            for q in range(r):
+                count += _tie(t, r, q, i, least)
     return count
 
 
 @part
-def _tied(t, r, q, i, k):
-    """Whether the parallel walls ``i`` of room ``r`` and ``k`` of room ``q`` stand as one wall."""
-    seen, normal, limits = t.seen, t.normal, t.limits
+def _tie(t, r, q, i, least):
+    """Join wall ``i`` of room ``r`` with the walls of room ``q`` as which it stands; how many."""
+    seen, normal, distance, limits, count = t.seen, t.normal, t.seen.distance, t.limits, 0
     # Both lines are read halfway between the two rooms.
     x = (seen.center[q, 0] - seen.center[r, 0]) / 2
     y = (seen.center[q, 1] - seen.center[r, 1]) / 2
-    one = seen.distance[i] + normal[i, 0] * x + normal[i, 1] * y
-    two = seen.distance[k] - normal[k, 0] * x - normal[k, 1] * y
-    if normal[i, 0] * normal[k, 0] + normal[i, 1] * normal[k, 1] > 0.0:
-        return abs(one - two) <= limits.fit
-    return -limits.fit <= -(one + two) <= limits.thickness
+    nx, ny = normal[i, 0], normal[i, 1]
+    one = distance[i] + nx * x + ny * y
+    for k in range(seen.first[q], seen.first[q + 1]):
+        mx, my = normal[k, 0], normal[k, 1]
+        if abs(nx * my - ny * mx) > least:
+            continue
+        two = distance[k] - mx * x - my * y
+        if nx * mx + ny * my > 0.0:
+            tied = abs(one - two) <= limits.fit
+        else:
+            tied = -limits.fit <= -(one + two) <= limits.thickness
+        if tied:
+            count += join(t.tie, i, k)
+    return count
