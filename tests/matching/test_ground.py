@@ -51,7 +51,7 @@ def lost_in_a_wide_box(place, box):  # type: ignore[no-untyped-def]
 
 def test_a_box_that_is_too_wide_for_the_map_loses_no_room() -> None:
     inputs = inputs_of("random", 12, 3, 0, REALISTIC)
-    sizes = inputs.tables.sizes(peaks=8, maps=1)
+    sizes = inputs.tables.sizes(peaks=8, maps=True)
     case = Block(Case, sizes, **inputs.tables.given(inputs.aim))
     box = np.zeros(10)
     box[8:] = inputs.seen.center[0]
@@ -68,7 +68,7 @@ def draw_all(place):  # type: ignore[no-untyped-def]
 
 
 def maps_of(inputs: Inputs, former: Ints | None = None, *, shared: bool = False) -> Block:
-    sizes = inputs.tables.sizes(peaks=8, maps=1, shared=shared)
+    sizes = inputs.tables.sizes(peaks=8, maps=True, shared=shared)
     given = inputs.tables.given(inputs.aim) | {"former": former}
     case = Block(Case, sizes, **given)
     draw_all(case.place)
@@ -86,7 +86,7 @@ def test_the_mirror_image_has_the_maps_that_it_would_have_by_itself(
         assert kind == "wings" or shared[: len(inputs.kept)].any()
         image = inputs.mirrored()
         recalled, alone = maps_of(image, shared), maps_of(image)
-        assert (recalled.array("ground.word") == alone.array("ground.word")).all()
+        assert (recalled.array("ground.marks") == alone.array("ground.marks")).all()
 
 
 def test_the_boxes_of_one_pair_of_rooms_do_not_narrow_each_other() -> None:

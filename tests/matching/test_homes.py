@@ -61,7 +61,7 @@ def cases(
             index.table.home[:] = -1
             index.table.plain[:, CLEAR] = 0.0
         tables = inputs.tables
-        found.append(Block(Case, tables.sizes(peaks=8, maps=1), **tables.given(inputs.aim)))
+        found.append(Block(Case, tables.sizes(peaks=8, maps=True), **tables.given(inputs.aim)))
         found[-1].array("task.storeys")[:] = inputs.mapping[shift[0] if len(peaks) else 0]
         found[-1].array("found.like")[:] = -1
     rng = np.random.default_rng(seed)

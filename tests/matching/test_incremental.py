@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from situgraph.experiments.oracle.cases import ERRORS, draw
 from situgraph.matching import Matcher, MatchingConfig, MatchResult, PlanIndex, match
+from situgraph.matching.preparation import Inputs
 from situgraph.plan.layouts import make_layout
 from situgraph.plan.sampler import sample_online
 from situgraph.plan.sampler_config import REALISTIC
@@ -112,13 +113,87 @@ def test_rooms_of_parallel_planes() -> None:
         check(Matcher(prior, semantics="none"), grown(partly, order, [1] * len(rooms)))
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_rooms_in_another_order_with_each_update(seed: int) -> None:
+    """What is known of a room goes with it, wherever it is listed."""
+    prior = make_layout("random", 40, seed)
+    online = sample_online(prior, 12, seed, ERRORS["noisy"]).online
+    rng = np.random.default_rng(seed)
+    states = []
+    for n in range(2, 12):
+        order = rng.permutation(n) if n % 3 else np.roll(np.arange(n), 1)
+        states.append(online.replace(rooms=tuple(online.rooms[k] for k in order)))
+    check(Matcher(prior), states)
+
+
+@pytest.mark.parametrize("kind", ["random", "storeys"])
+def test_planes_and_objects_come_with_their_rooms(kind: Any) -> None:
+    prior = make_layout(kind, 40, 4)
+    online = sample_online(prior, 20, 4, REALISTIC).online
+    check(Matcher(prior), [so_far(online, n) for n in range(1, 20)])
+
+
+def so_far(online: SceneGraph, rooms: int) -> SceneGraph:
+    """What had been seen of a graph when it had so many rooms."""
+    seen = online.rooms[:rooms]
+    names = {room.id for room in seen}
+    planes = {plane for room in seen for plane in room.planes}
+    return online.replace(
+        rooms=seen,
+        planes=tuple(p for p in online.planes if p.id in planes),
+        objects=tuple(o for o in online.objects if names.intersection(o.rooms)),
+    )
+
+
+@pytest.mark.parametrize("kind", ["random", "storeys"])
+def test_a_map_that_moves_and_then_grows(kind: Any) -> None:
+    prior = make_layout(kind, 30, 2)
+    online = sample_online(prior, 14, 2, REALISTIC).online
+    states = [online.replace(rooms=online.rooms[:n]) for n in (4, 6, 8, 10, 11, 12, 13)]
+    for k in (1, 2):  # by a millimetre
+        states[k] = moved(states[k], 0.001 * k)
+    check(Matcher(prior), states)
+
+
+def moved(online: SceneGraph, along: float) -> SceneGraph:
+    """The graph, so far along x."""
+    return online.replace(
+        rooms=tuple(
+            msgspec.structs.replace(r, center=(r.center[0] + along, *r.center[1:]))
+            for r in online.rooms
+        ),
+        planes=tuple(
+            msgspec.structs.replace(p, offset=p.offset - along * p.normal[0]) for p in online.planes
+        ),
+    )
+
+
+def test_the_mirror_image_is_seldom_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That nothing can be there is known of the rooms before, until more could be unexplained."""
+    searched = []
+
+    def mirrored(inputs: Inputs) -> Inputs:
+        searched.append(inputs.count)
+        return image_of(inputs)
+
+    image_of = Inputs.mirrored
+    monkeypatch.setattr(Inputs, "mirrored", mirrored)
+    prior = make_layout("random", 100, 0)
+    online = sample_online(prior, 24, 0, ERRORS["noisy"]).online
+    matcher = Matcher(prior)
+    verdicts = [matcher.update(s).verdict for s in grown(online, list(range(24)), [1] * 24)]
+    assert verdicts[4:] == ["unique"] * 20
+    assert len(searched) < 12
+
+
 def test_an_update_tries_little() -> None:
     prior = make_layout("random", 100, 0)
-    online = sample_online(prior, 10, 0, REALISTIC).online
+    online = sample_online(prior, 20, 0, ERRORS["noisy"]).online
     matcher = Matcher(prior)
-    tried, anew = 0, 0
+    tried, anew, least = 0, 0, 0
     for state in grown(online, list(range(len(online.rooms))), [1] * len(online.rooms)):
         found, again = matcher.update(state), match(state, matcher.index)
-        if len(state.rooms) > 3:
+        before, (least, _, _) = least, found.figures
+        if least > before > 3:
             tried, anew = tried + found.stats["hypotheses"], anew + again.stats["hypotheses"]
     assert tried < anew / 2

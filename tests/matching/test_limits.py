@@ -67,7 +67,7 @@ def test_limits_are_met_where_they_are_told(kind: Kind, alike: bool) -> None:
         online = sample_online(plan, 10, seed, BENT).online
         inputs = prepare(online, PlanIndex(plan), "none", CONFIG)
         peaks = Known().find(inputs, inputs.aim).place
-        sizes = inputs.tables.sizes(peaks=8, maps=1)
+        sizes = inputs.tables.sizes(peaks=8, maps=True)
         case = Block(Case, sizes, **inputs.tables.given(inputs.aim))
         rng = np.random.default_rng(seed)
         for _ in range(40):

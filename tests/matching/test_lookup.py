@@ -32,7 +32,7 @@ def inputs_of(kind: Kind, planned: int, seen: int, seed: int) -> Inputs:
 
 
 def case_of(inputs: Inputs) -> Block:
-    sizes = inputs.tables.sizes(peaks=8, maps=1)
+    sizes = inputs.tables.sizes(peaks=8, maps=True)
     return Block(Case, sizes, **inputs.tables.given(inputs.aim))
 
 

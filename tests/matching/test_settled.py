@@ -46,7 +46,7 @@ def test_peaks_near_a_place(
     peaks: list[tuple[float, float]], at: tuple[float, float], reach: float
 ) -> None:
     inputs = prepare(SEEN, PLAN, "none", PLAN.config)
-    sizes = inputs.tables.sizes(peaks=64, maps=1)
+    sizes = inputs.tables.sizes(peaks=64, maps=True)
     case = Block(Case, sizes, **inputs.tables.given(inputs.aim))
     case.array("found.count")[PEAKS] = len(peaks)
     case.array("found.peak")[: len(peaks), 1:3] = np.reshape(peaks, (-1, 2))

@@ -42,7 +42,7 @@ def drawn(rooms: int, planned: int, errors: SamplerConfig) -> tuple[Block, Any]:
     inputs = prepare(
         sample_online(plan, rooms, 0, errors).online, PlanIndex(plan), "none", MatchingConfig()
     )
-    case = Block(Case, inputs.tables.sizes(peaks=8, maps=1), **inputs.tables.given(inputs.aim))
+    case = Block(Case, inputs.tables.sizes(peaks=8, maps=True), **inputs.tables.given(inputs.aim))
     case.array("ground.drawn")[:] = 1
     case.array("found.alike")[:] = case.array("groups.told")[0] = planned
     return case, inputs
@@ -51,7 +51,7 @@ def drawn(rooms: int, planned: int, errors: SamplerConfig) -> tuple[Block, Any]:
 def mark(case: Block, index: PlanIndex, r: int, quarter: int, x: float, y: float) -> None:
     """Mark the cell of a place and those beside it, the nearest of the map for each."""
     wide, tall = index.table.cells.tolist()
-    maps = case.array("ground.word").view(np.uint64).reshape(-1, 2, wide, tall)
+    maps = case.array("ground.marks").view(np.uint64).reshape(-1, 2, wide, tall)
     corner = index.table.corner
     column, row = (math.floor((v - o) * corner[2]) for v, o in zip((x, y), corner))
     for c in range(column - 1, column + 2):

@@ -69,7 +69,7 @@ def test_what_was_found_near_by_changes_nothing(kind: Kind, seed: int, semantics
     size = 10 ** rng.uniform(-4, -1.3, STEPS)
     step = rng.normal(size=(STEPS, 3)) * np.stack([size / 20, size, size], axis=1)
     at = np.ascontiguousarray(start + step.cumsum(axis=0) * 0.3)
-    sizes = inputs.tables.sizes(peaks=8, maps=1)
+    sizes = inputs.tables.sizes(peaks=8, maps=True)
     case = Block(Case, sizes, **inputs.tables.given(inputs.aim))
     steady, differs = walk(case.place, at)
     assert differs == -1

@@ -24,19 +24,24 @@ class Block:
 
     An array is declared with its sizes, numbers or names, as ``Annotated[Floats, "rooms", 2]``; it
     is all zeros to begin with. The rest is given by the names of the fields: numbers, arrays (None
-    for an empty one), records by their blocks (None for one that is not read). What is given lives
-    as long as the block.
+    for an empty one), records by their blocks (None for one that is not read). An array of declared
+    sizes may be given by its path, as ``case.found.like``, and is not laid out then. What is given
+    lives as long as the block.
 
     Attributes:
         place: the address of the record.
     """
 
-    def __init__(self, declared: Any, sizes: dict[str, int], **given: Any) -> None:
-        """Lay out a named tuple of this class."""
+    def __init__(
+        self, declared: Any, sizes: dict[str, int], space: Space | None = None, **given: Any
+    ) -> None:
+        """Lay out a named tuple of this class; in this space, if any, which holds no other then."""
         names = tuple(given)
         self._scheme = scheme = _scheme(declared, names)
         self._sized = sized = _sized(declared, names, scheme.chosen(sizes))
-        self._words = words = np.zeros(sized.words, dtype=np.int64)
+        self._words = words = (
+            space.cleared(sized.words) if space else np.zeros(sized.words, dtype=np.int64)
+        )
         self.place = place = address(words)
         head = words[: len(sized.head)]
         np.multiply(sized.placed, place, out=head)
@@ -113,7 +118,26 @@ class Block:
     def field(self, record: str, name: str) -> Any:
         """A field of such a record: an array that was laid out, or what was given."""
         path = f"{record}.{name}"
-        return self.array(path) if path in self._scheme.laid else self._given[name]
+        if path in self._scheme.laid:
+            return self.array(path)
+        return self._given[path if path in self._given else name]
+
+
+class Space:
+    """Memory for blocks, one after the other: memory that was used before is cheaper than new."""
+
+    def __init__(self) -> None:
+        """None yet."""
+        self._words = np.zeros(0, dtype=np.int64)
+
+    def cleared(self, words: int) -> Ints:
+        """So many words, all zeros."""
+        if words > len(self._words):
+            self._words = np.zeros(max(words, len(self._words) * 3 // 2), dtype=np.int64)
+            return self._words[:words]
+        used = self._words[:words]
+        used.fill(0)
+        return used
 
 
 class Laid:
@@ -177,7 +201,7 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
     for path, record, start, _ in inner:
         for name, field in layout(record).items():
             slot = start + field.slot
-            if field.sizes:
+            if field.sizes and path + name not in given:
                 arrays.append((path + name, slot, field))
             elif isinstance(field.kind, Record) and name not in given:
                 inner.append((f"{path}{name}.", field.kind.declared, slots, slot))
@@ -185,7 +209,8 @@ def _scheme(declared: Any, given: tuple[str, ...]) -> Scheme:
             elif field.kind is types.float64:
                 reals.append((name, slot))
             else:
-                known.append((name, getattr(field.kind, "ndim", -isinstance(field.kind, Record))))
+                key = path + name if field.sizes else name
+                known.append((key, getattr(field.kind, "ndim", -isinstance(field.kind, Record))))
                 told += range(slot, slot + field.width)
     shapes = [field.sizes for _, _, field in arrays]
     pieces = [(_width(record),) for _, record, _, _ in inner] + shapes

@@ -7,17 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from situgraph.matching.blocks import Block, Laid
+from situgraph.matching.blocks import Block, Laid, Space
 from situgraph.matching.cases import Tables
 from situgraph.matching.entries import Search, run
 from situgraph.matching.sightings import Planned, Rates
 from situgraph.matching.sights import Sights
 from situgraph.matching.tables import PEAKS, Aim, Floats, Ints, View, explaining
-from situgraph.matching.traces import Start, recall
+from situgraph.matching.traces import Start, Traces
 
-ROOM, PEAKS_A_ROOM = 64, 2  # for peaks, to begin with: at least, for each prior room
-NOTHING_KNOWN = {"known": None, "known_first": None, "wanted": 0}
-COVER, MOST_COVER = 8, 4096  # boxes of a cover: for each prior room, at most
+ROOM = 64  # for peaks, to begin with, at least
+NOTHING_KNOWN = {"former_cover": None, "former_first": None, "wanted": 0}
 LINKS = 16  # an online object has to prior ones, to begin with
 SHARED = "case.ground.shared"
 NO_OBJECTS: dict[str, Any] = {"sighted": None, "side": 1.0, "planned": None, "rates": None}
@@ -73,35 +72,35 @@ def find_peaks(
     objects: Objects | None,
     *,
     start: Start | None = None,
-    traced: bool = False,
+    traces: Traces | None = None,
+    boxes: int = 0,
+    space: Space | None = None,
     room: Block | None = None,
 ) -> Peaks:
     """All peaks by the walls, weighed by ``objects`` where there are any.
 
-    For all ``shifts`` of the storeys, by these ``heights`` (k,). Where it is ``traced``, a later
-    search can start from what it leaves. ``room`` is that of the search for what was seen, where
-    this one is for its mirror image: it is worked in again, and the maps it left are used.
+    For all ``shifts`` of the storeys, by these ``heights`` (k,). Of a graph that grows: from a
+    ``start``, with ``traces`` of its rooms, in this ``space``, leaving a cover of so many
+    ``boxes``. ``room`` is that of the search for what was seen, where this one is for its mirror
+    image: it is worked in again, and the maps it left are used.
     """
     given = tables.given(aim) | (objects.given() if objects else NO_OBJECTS)
     given |= {"shifts": shifts, "heights": heights, "weighs": bool(objects)} | NOTHING_KNOWN
-    if start is not None and start.on:
-        given |= {"known": start.cover, "known_first": start.first, "wanted": start.wanted}
+    if start is not None:
+        given |= {"former_cover": start.cover, "former_first": start.first, "wanted": start.wanted}
     prior, links = tables.room["M"], LINKS
-    most, maps, boxes = max(ROOM, PEAKS_A_ROOM * prior), 1, 0
-    if traced:
-        maps, boxes = len(shifts), min(COVER * (prior + COVER), MOST_COVER)
+    # A room by itself may lie in four places of each of the plan.
+    most = max(ROOM, prior * (2 if tables.room["N"] > 1 else 4))
     # Maps may be shared with the search for the mirror image.
-    shared = not traced and len(shifts) == 1
+    shared = not traces and len(shifts) == 1
     if room is not None:
         maps_left = room.array(SHARED)
         room.again(SHARED, **given | {"former": maps_left if len(maps_left) else None})
     while True:
         if room is None:
-            sizes = tables.sizes(peaks=most, boxes=boxes, maps=maps, shared=shared)
+            sizes = tables.sizes(peaks=most, boxes=boxes, maps=not traces, shared=shared)
             sizes |= objects.sizes(most, links) if objects else NOTHING_WEIGHED
-            room = Block(Search, sizes, **given)
-        if start is not None:
-            recall(room, start)
+            room = Block(Search, sizes, space, **given | (traces.given() if traces else {}))
         run(room.place, False)
         place, done = room.array("place"), room.array("count").tolist()
         similar, weighed = room.array("told").tolist()
@@ -112,7 +111,7 @@ def find_peaks(
             links *= LINKS
         else:
             walls, shift = room.array("walls")[:found].copy(), room.array("shift")[:found].copy()
-            alike = room.array("case.found.alike").copy()
+            alike = room.field("case.found", "alike")[: tables.room["N"]].copy()
             return Peaks(place[:found].copy(), shift, walls, alike, similar, done, room)
         room = None
 

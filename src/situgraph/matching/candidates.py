@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
-from situgraph.matching.blocks import Block
+from situgraph.matching.blocks import Block, Space
 from situgraph.matching.calls import Peaks, find_peaks
-from situgraph.matching.memory import Memory, stands, start_of
+from situgraph.matching.memory import Left, Memory
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.tables import CUT, Aim
-from situgraph.matching.traces import Start, traces_of
+from situgraph.matching.tables import CUT, LEFT, Aim
+from situgraph.matching.traces import Traces
+
+COVER, MOST_COVER = 4, 1024  # boxes of a cover: for each prior room, at most
 
 
 class Known:
@@ -19,14 +23,22 @@ class Known:
 
     Attributes:
         grows: whether more rooms may come; then each search leaves what the next can start from.
+        inputs: of the graph as it was last, if it grows.
     """
 
     def __init__(self, *, grows: bool = False) -> None:
         """Nothing is known yet."""
         self.grows = grows
+        self.inputs: Inputs | None = None
         self._peaks: dict[bool, tuple[Aim, Peaks]] = {}
-        self._memories: dict[bool, Memory] = {}
+        space = Space()
+        self._memory = {flipped: Memory(None, Traces(), space) for flipped in (False, True)}
         self._room: tuple[Block, Block] | None = None  # of the graph last searched: ``Peaks.room``
+
+    def read(self, inputs: Inputs) -> None:
+        """What was read of the graph as it is now."""
+        if self.grows:
+            self.inputs = inputs
 
     def find(self, inputs: Inputs, aim: Aim) -> Peaks:
         """All peaks that are of account; from memory where as much was asked before.
@@ -44,25 +56,48 @@ class Known:
         self._peaks[inputs.flipped] = aim, found._replace(room=None)  # which is large
         return found
 
+    def rules_out_mirrored(self, inputs: Inputs, aim: Aim, wider: Callable[[], Aim]) -> bool:
+        """Whether it is known that the mirror image has no peaks, of a graph that grows.
+
+        If the last search found none, but does not tell, ``wider`` says what to be after so that
+        later ones are told as well.
+        """
+        memory = self._memory[True]
+        if not self.grows or memory.left is None or not memory.left.empty:
+            return False
+        if memory.rules_out(inputs, aim):
+            return True
+        self._search_on(inputs.mirrored(), wider())
+        return memory.rules_out(inputs, aim)
+
     def forget_peaks(self) -> None:
         """Rooms or planes are others now."""
         self._peaks, self._room = {}, None
 
     def _search_on(self, inputs: Inputs, aim: Aim) -> Peaks:
         """Search from where the last search left off, and leave that to the next."""
-        before = self._memories.get(inputs.flipped)
-        traced = stands(before, inputs)
-        start = start_of(before, inputs, aim) if traced else None
-        found = self._search(inputs, aim, start, traced)
-        if start is not None and start.on and found.done[CUT]:
-            found = self._search(inputs, aim, start._replace(on=False), traced)
-        traces = traces_of(found.room, len(inputs.shifts)) if traced and found.room else None
-        self._memories[inputs.flipped] = Memory(inputs, aim.least, traces)
+        memory = self._memory[inputs.flipped]
+        row = memory.rows(inputs)
+        if memory.left is not None and (row < 0).all():  # the map moves, and may go on so
+            memory.left = Left(inputs, aim, False, None, None)
+            memory.traces.forget()
+            return self._search(inputs, aim)
+        memory.traces.follow(inputs.tables, row, len(inputs.mapping))
+        start, boxes = None, 1
+        if not inputs.flipped:  # there, rooms lose unequally
+            start = memory.start(inputs, row, aim)
+            boxes = min(COVER * (inputs.index.rooms + COVER), MOST_COVER)
+        searched = inputs.tables, inputs.mapping, inputs.shifts, aim, inputs.objects
+        search = partial(
+            find_peaks, *searched, traces=memory.traces, boxes=boxes, space=memory.space
+        )
+        found = search(start=start)
+        if start is not None and found.done[CUT]:
+            found = search()
+        memory.left = _left(inputs, aim, found, boxes)
         return found
 
-    def _search(
-        self, inputs: Inputs, aim: Aim, start: Start | None = None, traced: bool = False
-    ) -> Peaks:
+    def _search(self, inputs: Inputs, aim: Aim) -> Peaks:
         """Search; the mirror image in the memory of the search for what was seen."""
         rooms, last = inputs.count, self._room
         self._room = None
@@ -71,8 +106,6 @@ class Known:
             alike = np.zeros(rooms, dtype=np.int64)
             return Peaks(np.empty((0, 5)), none, nothing, alike, 0.0, [0] * 4, None)
         searched = inputs.tables, inputs.mapping, inputs.shifts, aim, inputs.objects
-        if traced:
-            return find_peaks(*searched, start=start, traced=True)
         if inputs.flipped:
             same = last is not None and last[0] is inputs.draft
             return find_peaks(*searched, room=last[1] if last and same else None)
@@ -80,6 +113,17 @@ class Known:
         if found.room:
             self._room = inputs.draft, found.room
         return found
+
+
+def _left(inputs: Inputs, aim: Aim, found: Peaks, boxes: int) -> Left:
+    """What a search left, of at most so many boxes."""
+    assert found.room is not None
+    count, whole = found.done[LEFT], not found.done[CUT]
+    cover = shift = None
+    if whole and count <= boxes:
+        cover = found.room.array("left")[:count].copy()
+        shift = found.room.array("left_shift")[:count].copy()
+    return Left(inputs, aim, whole and not len(found.place) and not count, cover, shift)
 
 
 def _holds(one: Aim, two: Aim) -> bool:

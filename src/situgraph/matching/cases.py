@@ -39,20 +39,21 @@ class Tables(NamedTuple):
             "budget": aim.budget,
             "loss": aim.loss,
             "base": self.turn,
+            "layers": 1,
             "former": None,
         }
 
     def sizes(
-        self, *, peaks: int = 0, boxes: int = 0, maps: int = 0, shared: bool = False
+        self, *, peaks: int = 0, boxes: int = 0, maps: bool = False, shared: bool = False
     ) -> dict[str, int]:
-        """The sizes of a ``Case``; of ``maps`` shifts of the storeys maps are kept.
+        """The sizes of a ``Case``; whether ``maps`` are drawn, of one shift of the storeys.
 
         They may be ``shared`` with the search for the mirror image.
         """
         room = self.room
-        several = {"maps": maps * room["N"], "words": maps * room["words"]}
-        several["shared"] = room["N"] + room["words"] if shared else 0
-        return room | {"peaks": peaks, "boxes": boxes} | several
+        drawn = {"maps": maps * room["N"], "words": maps * room["words"]}
+        drawn["shared"] = room["N"] + room["words"] if shared else 0
+        return room | {"peaks": peaks, "boxes": boxes} | drawn
 
 
 def room_for(plan: Plan) -> dict[str, int]:

@@ -99,7 +99,7 @@ def _fill(row, value, height):
 @part
 def _bring(case, k, quarter, x, y0, height, out):
     """Into ``out``: where the ``k``-th room is marked."""
-    sieve, word, rows = case.sieve, case.ground.word, case.plan.cells[1]
+    sieve, word, rows = case.sieve, case.ground.marks, case.plan.cells[1]
     sides = sieve.open[k]
     x, down = x + sieve.shift[0, k], y0 + sieve.shift[1, k]
     begin, end = min(max(-down, 0), height), max(min(rows - down, height), 0)

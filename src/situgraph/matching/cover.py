@@ -63,7 +63,10 @@ def keep_region(case, box, arm):
 def _keep(boxes, count, which, box, arm):
     """In a kept box beside it, or by itself; where there is no room for it, it is only counted."""
     both = scratch(SIDES)
-    for k in range(min(count[which], len(boxes))):
+    if count[which] >= len(boxes):
+        count[which] += 1
+        return
+    for k in range(count[which]):
         if max(abs(boxes[k, PX] - box[PX]), abs(boxes[k, PY] - box[PY])) > 2 * JOINED:
             continue
         copy_box(boxes[k], both)
@@ -71,8 +74,7 @@ def _keep(boxes, count, which, box, arm):
         if max(both[TURN] * arm, both[HU], both[HV]) <= JOINED:
             copy_box(both, boxes[k])
             return
-    if count[which] < len(boxes):
-        copy_box(box, boxes[count[which]])
+    copy_box(box, boxes[count[which]])
     count[which] += 1
 
 

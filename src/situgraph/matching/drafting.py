@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from itertools import accumulate
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
@@ -91,7 +91,7 @@ def drafted(
         "hangings": len(objects.plane),
         "hung rows": sum([rows[plane] for plane in objects.plane]),
     }
-    given = {"limits": limits.slots, "rates": rates.slots if rates else None}
+    given: dict[str, Any] = {"limits": limits.slots, "rates": rates.slots if rates else None}
     block = Block(Drafting, sizes, planes=known, widest=widest, **given)
     center: list[float] = []
     for room in listed.kept:

@@ -22,6 +22,7 @@ from situgraph.matching.tables import (
     LEFT,
     PEAKS,
     SETTLED,
+    SIFTED,
     STAGE,
     Case,
     Floats,
@@ -44,8 +45,8 @@ class Search(NamedTuple):
     count: Annotated[Ints, 9]  # type: ignore[assignment]  # ``PEAKS`` to ``SETTLED``
     left: Annotated[Floats, "boxes", "sides"]  # the cover
     left_shift: Annotated[Ints, "boxes"]
-    known: Table  # (g, SIDES) the cover of an earlier search
-    known_first: Ints  # (shifts + 1,) where that of each shift begins; empty without one
+    former_cover: Table  # (g, SIDES) the cover of an earlier search
+    former_first: Ints  # (shifts + 1,) where that of each shift begins; empty without one
     wanted: int  # groups of new rooms
     evidence: Evidence
     claim: Annotated[Ints, "objects"]
@@ -74,11 +75,11 @@ def _search_all(wanted):
         for u in range(len(task.storeys)):
             task.storeys[u] = wanted.shifts[z, u]
         found.count[PEAKS] = found.count[LEFT] = found.count[HELD] = found.count[SETTLED] = 0
-        found.count[STAGE] = ANYWHERE
+        found.count[STAGE], case.sieve.told[SIFTED] = ANYWHERE, 0
         _turn_to_maps(case, z)
-        if len(wanted.known_first) > 0:
-            begin, end = wanted.known_first[z], wanted.known_first[z + 1]
-            outline(case, wanted.known, begin, end, wanted.wanted)
+        if len(wanted.former_first) > 0:
+            begin, end = wanted.former_first[z], wanted.former_first[z + 1]
+            outline(case, wanted.former_cover, begin, end, wanted.wanted)
         search(case)
         for k in range(found.count[PEAKS]):
             if kept < len(wanted.shift) and k < len(found.peak):
@@ -107,12 +108,12 @@ def _search_all(wanted):
 @part
 def _turn_to_maps(case, z):
     """Maps of the shift ``z``; where only those of one are kept, they are drawn again."""
-    ground, rooms = case.ground, len(case.seen.storey)
-    if z > 0 and len(ground.drawn) == rooms:
-        for r in range(rooms):
+    ground = case.ground
+    if ground.layers > 1:
+        ground.part[0] = z
+    elif z > 0:
+        for r in range(len(case.seen.storey)):
             ground.drawn[r] = 0
-    else:
-        ground.part[0] = z * rooms
 
 
 @part

@@ -68,7 +68,6 @@ def explore(case, start):
         if not shrink(case, box):
             continue
         if settled_by(case, box):
-            leave(case, box)
             continue
         if not squeeze_on(case, box, arm, before):
             continue
@@ -161,18 +160,6 @@ def ascend(case, at):
         top = rise(case, at, height)
         if top > height:
             settle(case, at, top)
-
-
-@part
-def leave(case, box):
-    """Keep for the cover what may be feasible of a box that is not searched."""
-    if len(case.found.cover) == 0:
-        return
-    arm = longest_arm(case)
-    if squeeze(case, box, arm):
-        move_anchor(box)
-        if squeeze(case, box, arm):
-            keep_left(case, box, arm)
 
 
 @part

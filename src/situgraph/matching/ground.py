@@ -20,6 +20,7 @@ from situgraph.matching.maps import (
     is_marked,
     nearest_cell,
     quarter_at,
+    slot_of,
     tells,
 )
 from situgraph.matching.records import scratch
@@ -142,12 +143,12 @@ def _enough_at(case, box, g, yaw, half):
         if groups.apart[k] > farthest:
             break
         r, gx, gy = groups.order[k], groups.arm[k, 0], groups.arm[k, 1]
-        slot = ground.part[0] + r
+        slot = slot_of(case, r)
         if not ground.drawn[slot]:
             draw(case, r)
         column = nearest_cell(x + c * gx - s * gy, words * BITS)
         row = nearest_cell(y + s * gx + c * gy, rows)
-        word = ground.word[((slot * 2 + odd) * words + (column >> 6)) * rows + row]
+        word = ground.marks[((slot * 2 + odd) * words + (column >> 6)) * rows + row]
         if not (word >> (column & (BITS - 1))) & 1:
             left -= case.task.loss[r]
             if left < 0:
@@ -170,7 +171,7 @@ def _lies_nowhere(case, box, r, quarter, c, s):
     """The same for a room that has a map and is not too far."""
     seen = case.seen
     gx, gy = seen.center[r, 0] - box[AX], seen.center[r, 1] - box[AY]
-    if not case.ground.drawn[case.ground.part[0] + r]:
+    if not case.ground.drawn[slot_of(case, r)]:
         draw(case, r)
     x, y = box[PX] + c * gx - s * gy, box[PY] + s * gx + c * gy
-    return not is_marked(case.plan, case.ground.word, begin_of(case, r, quarter), x, y)
+    return not is_marked(case.plan, case.ground.marks, begin_of(case, r, quarter), x, y)

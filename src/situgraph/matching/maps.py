@@ -55,11 +55,11 @@ class Canvas(NamedTuple):
 def draw(case, r):
     """Draw the map of a room."""
     plan, ground = case.plan, case.ground
-    storey, slot = case.task.storeys[case.seen.storey[r]], ground.part[0] + r
+    storey, slot = case.task.storeys[case.seen.storey[r]], slot_of(case, r)
     words = 2 * plan.cells[0] * plan.cells[1]
     ground.drawn[slot] = 1
     for k in range(slot * words, (slot + 1) * words):
-        ground.word[k] = 0
+        ground.marks[k] = 0
     if storey < 0:
         return
     origin, wide, tall = plan.corner, plan.cells[0], plan.cells[1]
@@ -108,14 +108,14 @@ def _draw_whole(case, r, storey, canvas):
     former, shared, at = ground.former, ground.shared, len(case.seen.storey) + r * words
     if len(former) > 0 and former[r] == 1:
         for k in range(words):
-            ground.word[canvas.begin + k] = former[at + k]
+            ground.marks[canvas.begin + k] = former[at + k]
         return
     for odd in range(2):
         _enter_whole(case, r, storey, odd, canvas)
     if len(shared) > 0 and _is_upright(case, r):
         shared[r] = 1
         for k in range(words):
-            shared[at + k] = ground.word[canvas.begin + k]
+            shared[at + k] = ground.marks[canvas.begin + k]
 
 
 @part
@@ -160,7 +160,7 @@ def _enter_whole(case, r, storey, odd, canvas):
             for m in range(across):
                 u, v = span[i], span[3 + m]
                 x, y = row[CX] + u * ux - v * uy, row[CY] + u * uy + v * ux
-                _mark(case.ground.word, canvas, x, y, wide, tall, first, last)
+                _mark(case.ground.marks, canvas, x, y, wide, tall, first, last)
 
 
 @part
@@ -187,7 +187,7 @@ def _span(fit, side, row, k, m, most, span):
 @part
 def _enter_plain(case, r, a, canvas):
     """Mark what ``next_plain_box`` would give, without making boxes: most maps are drawn here."""
-    plan, along, word = case.plan.plain, case.found.along, case.ground.word
+    plan, along, word = case.plan.plain, case.found.along, case.ground.marks
     low, high = case.seen.plain[r, LOW], case.seen.plain[r, HIGH]
     yaw = plan[a, BASE] - case.seen.plain[r, BASE] + (low + high) / 2
     loose = (high - low) / 2 + case.limits.angle + 2 * SLACK
@@ -221,7 +221,7 @@ def _enter(case, r, a, canvas):
             tall = abs(box[UY]) * box[HU] + abs(box[UX]) * box[HV]
             loose = box[TURN] + limits.angle + 2 * SLACK
             first, last = quarter_at(ground, box[YAW] - loose), quarter_at(ground, box[YAW] + loose)
-            _mark(ground.word, canvas, box[PX], box[PY], wide, tall, first, last)
+            _mark(ground.marks, canvas, box[PX], box[PY], wide, tall, first, last)
             at = next_pair_box(case, r, i, k, a, at, reach, box)
 
 
@@ -257,7 +257,7 @@ def mark_cells(word, canvas, x0, x1, y0, y1, part):
 @part
 def _spread(case, slot):
     """Add to the cells marked in a map those beside them."""
-    word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
+    word, words, rows = case.ground.marks, case.plan.cells[0], case.plan.cells[1]
     for odd in range(2):
         begin = (slot * 2 + odd) * words * rows
         end = begin + words * rows
@@ -288,9 +288,15 @@ def quarter_at(ground, yaw):
 
 
 @part
+def slot_of(case, r):
+    """Which of the maps is that of a room, for the present shift of the storeys."""
+    return r * case.ground.layers + case.ground.part[0]
+
+
+@part
 def begin_of(case, r, quarter):
     """The first word of a room's map of a quarter."""
-    return ((case.ground.part[0] + r) * 2 + (quarter & 1)) * case.plan.cells[0] * case.plan.cells[1]
+    return (slot_of(case, r) * 2 + (quarter & 1)) * case.plan.cells[0] * case.plan.cells[1]
 
 
 @part

@@ -81,7 +81,8 @@ def _match_whole(
     begin = time.perf_counter()
     announce_compilation(run)
     index = index.looked_for(online.modelled_categories)
-    inputs = prepare(online, index, semantics, settings)
+    inputs = prepare(online, index, semantics, settings, known.inputs)
+    known.read(inputs)
     searched = time.perf_counter()
     peaks = known.find(inputs, inputs.aim)
     outside = math.log(settings.outside_prior) + peaks.similar

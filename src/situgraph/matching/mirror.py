@@ -16,6 +16,8 @@ from situgraph.matching.preparation import Inputs
 from situgraph.matching.tables import Aim
 
 SLACK = 1e-6  # of L, for rounding
+# By how much less L is asked for, where nothing is found, so that it is known when more rooms come.
+SPARE, SPARE_SHARE = 10.0, 0.2  # of L, and of what may be lost
 
 
 def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[float, bool]:
@@ -30,6 +32,9 @@ def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[floa
     least = _least_that_matters(posterior, config.unique_probability) - log_prior
     aim = aim_at(inputs, least)
     if aim.budget < 0:
+        return -math.inf, True
+    spare = SPARE + SPARE_SHARE * aim.budget
+    if known.rules_out_mirrored(inputs, aim, lambda: aim_at(inputs, least - spare)):
         return -math.inf, True
     peaks = known.find(inputs.mirrored(), aim)
     best = float(peaks.place[:, 4].max()) if len(peaks.place) else -math.inf

@@ -15,7 +15,7 @@ from situgraph.matching.containment import content_of, no_content
 from situgraph.matching.drafting import drafted
 from situgraph.matching.index import PlanIndex
 from situgraph.matching.posterior import log_spread
-from situgraph.matching.reading import Constants, Rooms, list_rooms, storey_heights
+from situgraph.matching.reading import Constants, Listed, Rooms, list_rooms, storey_heights
 from situgraph.matching.semantics import list_objects, rates_of
 from situgraph.matching.storeys import storey_shifts
 from situgraph.matching.tables import Aim, Content, Floats, Ints, Limits, Seen, View, explaining
@@ -35,6 +35,7 @@ class Inputs:
     draft: Block  # of a ``Drafting``
     tables: Tables  # of the online graph, or of its mirror image
     objects: Objects | None  # that are evidence, where there are any
+    listed: Listed
     object_ids: list[str]
     sigma: float  # of the offset of a wall that fits, metres
     shifts: Floats  # in height
@@ -114,14 +115,20 @@ class Inputs:
         return weigh(self.tables, self.mapping, self.objects, shift, at)
 
 
-def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: MatchingConfig) -> Inputs:
-    """The tables of a match.
+def prepare(
+    online: SceneGraph,
+    index: PlanIndex,
+    semantics: str,
+    config: MatchingConfig,
+    before: Inputs | None = None,
+) -> Inputs:
+    """The tables of a match; what was read ``before``, of the same settings, is not read again.
 
     Raises:
         InputError: a room names a plane that is not there.
     """
     constants = index.constants if config is index.config else Constants(config)
-    listed = list_rooms(online, config.usable_tilt)
+    listed = list_rooms(online, config.usable_tilt, before.listed if before else None)
     heights = storey_heights(online, listed.kept)
     levels = sorted(set(heights))
     column: dict[str, int] = {}
@@ -146,4 +153,4 @@ def prepare(online: SceneGraph, index: PlanIndex, semantics: str, config: Matchi
     if rates is not None:
         objects = Objects(len(things.ids), draft.record("sighted"), 1.0, index.objects.table, rates)
     what = online, index, config, semantics, False, len(listed.kept)
-    return Inputs(*what, draft, tables, objects, things.ids, sigma, shifts, mapping)
+    return Inputs(*what, draft, tables, objects, listed, things.ids, sigma, shifts, mapping)

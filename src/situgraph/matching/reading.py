@@ -73,6 +73,8 @@ class Listed(NamedTuple):
     planes: list[list[int]]  # the usable planes of each
     row: dict[str, int]  # of each plane of the graph
     equation: list[float]  # normal and offset of each plane of the graph, one after the other
+    steep: set[int]  # planes of the graph that are not usable
+    graph: SceneGraph
 
 
 class Rooms(NamedTuple):
@@ -90,8 +92,10 @@ class Rooms(NamedTuple):
         return np.repeat(np.arange(len(self.kept)), np.diff(self.first))
 
 
-def list_rooms(graph: SceneGraph, tilt: float) -> Listed:
+def list_rooms(graph: SceneGraph, tilt: float, before: Listed | None = None) -> Listed:
     """The rooms that count; a plane is usable when its normal is as near to horizontal as ``tilt``.
+
+    What the graph begins with as the one listed ``before``, by the same tilt, is not read again.
 
     Raises:
         InputError: a room names a plane that is not there.
@@ -99,15 +103,23 @@ def list_rooms(graph: SceneGraph, tilt: float) -> Listed:
     steepest = math.sin(tilt) + 1e-12
     row: dict[str, int] = {}
     equation: list[float] = []
-    steep = set()
-    for k, p in enumerate(graph.planes):
+    steep: set[int] = set()
+    kept: list[int] = []
+    rows: list[list[int]] = []
+    planes_read = rooms_read = 0
+    if before is not None and begins(graph.planes, before.graph.planes):
+        planes_read = len(before.graph.planes)
+        row, equation, steep = {**before.row}, [*before.equation], {*before.steep}
+        if begins(graph.rooms, before.graph.rooms):
+            rooms_read = len(before.graph.rooms)
+            kept, rows = [*before.kept], [*before.planes]
+    for k, p in enumerate(graph.planes[planes_read:], planes_read):
         row[p.id] = k
         x, y, z = p.normal
         equation += (x, y, z, p.offset)
         if z > steepest or z < -steepest:
             steep.add(k)
-    kept, rows = [], []
-    for k, room in enumerate(graph.rooms):
+    for k, room in enumerate(graph.rooms[rooms_read:], rooms_read):
         try:
             planes = [row[name] for name in room.planes]
         except KeyError as error:
@@ -118,7 +130,12 @@ def list_rooms(graph: SceneGraph, tilt: float) -> Listed:
         if len(planes) > 1:
             kept.append(k)
             rows.append(planes)
-    return Listed(kept, rows, row, equation)
+    return Listed(kept, rows, row, equation, steep, graph)
+
+
+def begins(things: tuple[Any, ...], with_these: tuple[Any, ...]) -> bool:
+    """Whether rooms, planes or objects begin with others; quick where they are the same ones."""
+    return things[: len(with_these)] == with_these
 
 
 def read_rooms(graph: SceneGraph, tilt: float) -> Rooms:

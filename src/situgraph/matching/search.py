@@ -29,7 +29,7 @@ from situgraph.matching.cover import (
     sight,
 )
 from situgraph.matching.explained import may_explain
-from situgraph.matching.explore import exhausted, explore, leave, settles_at_once
+from situgraph.matching.explore import exhausted, explore, settles_at_once
 from situgraph.matching.ground import enough, enough_in_middle, lay, partners_lie
 from situgraph.matching.groups import NOWHERE, form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
@@ -51,9 +51,11 @@ from situgraph.matching.survey import survey
 from situgraph.matching.tables import (
     ANYWHERE,
     HELD,
+    KEPT,
     MADE,
     OUTLINING,
     PEAKS,
+    SIFTED,
     STAGE,
     TRIED,
     WITHIN,
@@ -71,8 +73,7 @@ def search(case):
         return
     forget_peaks(case)
     _line_up(case)
-    lost = form_groups(case, case.task.budget, False)
-    lay(case)
+    lost = _form_groups(case)
     _search_groups(case)
     if lost <= case.task.budget:
         _corridors(case, lost)
@@ -109,10 +110,22 @@ def outline(case, cover, begin, end, wanted):
     for k in range(begin, end):
         _hold(case, cover[k])
     if wanted > 0:
+        _form_groups(case)  # by which it is told whether to sift
         form_groups(case, wanted - 1.0, True)
-        lay(case)
         _search_groups(case)
     count[STAGE] = WITHIN if count[HELD] <= len(case.found.region) else ANYWHERE
+
+
+@part
+def _form_groups(case):
+    """The groups of which a placement explains one, and where their rooms may lie.
+
+    Returns what ``form_groups`` does.
+    """
+    lost = form_groups(case, case.task.budget, False)
+    lay(case)
+    sift(case)
+    return lost
 
 
 @part
@@ -137,8 +150,9 @@ def _hold(case, start):
 def _search_groups(case):
     """All placements that explain one of the groups."""
     seen, plan, spans, task, groups = case.seen, case.plan, case.spans, case.task, case.groups
-    rooms = len(seen.storey)
-    sift(case)
+    rooms, told = len(seen.storey), case.sieve.told
+    if told[SIFTED] and told[KEPT] == 0:
+        return
     for g in range(groups.told[MADE]):
         r = groups.member[groups.first[g]]
         storey = task.storeys[seen.storey[r]]
@@ -228,15 +242,14 @@ def _try(case, g, start):
         return
     box = scratch(SIDES)
     copy_box(start, box)
-    if not partners_lie(case, box, g) or _is_settled(case, box):
+    if not partners_lie(case, box, g) or settled_by(case, box):
         return
-    if not _partners(case, box, g) or _is_settled(case, box):
+    if not _partners(case, box, g) or settled_by(case, box):
         return
     outlining = count[STAGE] == OUTLINING
     if not outlining and enough_in_middle(case, start, g) and settles_at_once(case, start):
-        leave(case, start)
         return
-    if not enough(case, box, g) or _is_settled(case, box):
+    if not enough(case, box, g) or settled_by(case, box):
         return
     copy_box(start, box)  # where its middle lies decides which peaks are found: searched uncut
     if enough(case, box, g):
@@ -247,15 +260,6 @@ def _try(case, g, start):
             explore(case, box)
             if count[PEAKS] > peaks:
                 survey(case, g, peaks)
-
-
-@part
-def _is_settled(case, box):
-    """Whether a settled peak stands for a box, which is left then; of an outline none is known."""
-    if case.found.count[STAGE] == OUTLINING or not settled_by(case, box):
-        return False
-    leave(case, box)
-    return True
 
 
 @part

@@ -27,6 +27,7 @@ from situgraph.matching.boxes import (
     slack_of_room,
 )
 from situgraph.matching.compiled import part
+from situgraph.matching.cover import keep_left, longest_arm
 from situgraph.matching.homes import sole_room
 from situgraph.matching.nearby import TIE, add_peak, peak_at, peaks_near, same_place
 from situgraph.matching.plain import COS, SIN
@@ -89,6 +90,7 @@ def settle(case, at, height):
             settled[known, 0], settled[known, 1] = far, turn
             case.found.count[SETTLED] += 1
             entrust(case, known, box)
+            keep_left(case, box, longest_arm(case))
             return True
         far, turn = far / 2, turn / 2
     return False

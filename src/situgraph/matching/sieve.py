@@ -23,6 +23,7 @@ from situgraph.matching.maps import (
     BITS,
     begin_of,
     draw,
+    slot_of,
     tells,
 )
 from situgraph.matching.plain import QUARTER
@@ -32,33 +33,42 @@ from situgraph.matching.tables import KEPT, MADE, NEEDED, PARTED, SIFTED, STAGE,
 FAR = 1.0e6  # cells
 MOST_COUNTED = 0.9  # share of all cells, about, that are marked in the map of one that is counted
 SPARE = 8  # rooms that are counted beyond twice as many as may be lost
-WORTH = 64  # words counted for one hypothesis, at most
+WORTH = 256  # words counted for one hypothesis, at most
 
 
 @part
 def sift(case):
-    """Tell where the mean room centre can be, where that is worth it: not where a region tells."""
+    """Tell where the mean room centre can be, where that is worth it.
+
+    Not where a region tells: there only maps are left out, or what was told for it stays.
+    """
+    counted = _choose(case)
+    if case.sieve.told[NEEDED] <= 0 or not _part(case, counted):
+        return
+    if case.found.count[STAGE] != WITHIN and not _sift_all(case, counted):
+        return
+    if tells(case, case.sieve.room[counted - 1], MOST_MARKED):  # no others need be drawn then
+        for r in range(len(case.sieve.counted)):
+            case.ground.known[r] = case.sieve.counted[r]
+
+
+@part
+def _sift_all(case, counted):
+    """For all yaws; False where what is left cannot be told or is too much."""
     told = case.sieve.told
     told[SIFTED] = told[KEPT] = 0
-    if case.found.count[STAGE] == WITHIN:
-        return
-    counted = _choose(case)
-    if told[NEEDED] <= 0 or not _part(case, counted):
-        return
     for k in range(counted):
         r = case.sieve.room[k]
-        if not case.ground.drawn[case.ground.part[0] + r]:
+        if not case.ground.drawn[slot_of(case, r)]:
             draw(case, r)
     for quarter in range(4):
         for k in range(counted):
             case.sieve.open[k] = _open(case, begin_of(case, case.sieve.room[k], quarter))
         for p in range(told[PARTED]):
             if not _sift(case, counted, quarter, p):
-                return
+                return False
     told[SIFTED] = 1
-    if tells(case, case.sieve.room[counted - 1], MOST_MARKED):  # no others need be drawn then
-        for r in range(len(case.sieve.counted)):
-            case.ground.known[r] = case.sieve.counted[r]
+    return True
 
 
 @part
@@ -131,7 +141,7 @@ def _part(case, counted):
 @part
 def _open(case, begin):
     """The sides of a map at which a room may lie outside of it: it is marked there."""
-    word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
+    word, words, rows = case.ground.marks, case.plan.cells[0], case.plan.cells[1]
     last = begin + (words - 1) * rows
     left = right = low = high = 0
     for y in range(rows):

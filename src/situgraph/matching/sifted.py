@@ -95,7 +95,7 @@ def _mark_blocks(case):
 @part
 def _cells(case, begin, x, y):
     """The 64 cells of a map from ``(x, y)`` on, beyond a side those nearest to it."""
-    word, words, rows = case.ground.word, case.plan.cells[0], case.plan.cells[1]
+    word, words, rows = case.ground.marks, case.plan.cells[0], case.plan.cells[1]
     begin += _inside(y, rows)
     column, right = x >> 6, x & (BITS - 1)
     one = two = word[begin] << 63 >> 63

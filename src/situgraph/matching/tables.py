@@ -296,11 +296,12 @@ class Groups(NamedTuple):
 class Ground(NamedTuple):
     """Where in the plan each online room may lie (``ground``)."""
 
-    word: Annotated[Ints, "words"]  # bits of cells, by shift, room, quarter turn, row of cells
+    marks: Annotated[Ints, "words"]  # bits of cells, by room, shift, quarter turn, row of cells
     base: float  # yaw of the first quarter
+    layers: int  # of how many shifts of the storeys maps are kept
     known: Annotated[Ints, "N"]  # whether a room has a map
-    drawn: Annotated[Ints, "maps"]  # by shift and room: whether a map has been drawn
-    part: Annotated[Ints, 1]  # where in ``drawn`` the present shift begins
+    drawn: Annotated[Ints, "maps"]  # by room and shift: whether a map has been drawn
+    part: Annotated[Ints, 1]  # which of these shifts is the present one
     halves: Annotated[Floats, 4, 9]  # by quarter: yaw and its half width, and their halves
     # For the mirror image, what rooms of four walls mark in each map; before that, of which rooms.
     shared: Annotated[Ints, "shared"]
