@@ -49,6 +49,13 @@ else
   "$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-deps --no-build-isolation --editable .
 fi
 
+# Bytecode of what a match imports, also where Python is told to write none: else each process compiles it again.
+env -u PYTHONDONTWRITEBYTECODE "$venv/bin/python" - <<'PY'
+import situgraph
+from numba.core.registry import cpu_target
+situgraph.load, situgraph.match, cpu_target.target_context.refresh()
+PY
+
 "$venv/bin/python" - <<'PY'
 import ctypes.util
 if ctypes.util.find_library("EGL") is None:

@@ -132,17 +132,21 @@ def building(task: Mapping[str, Any]) -> SceneGraph:
 
 
 def _in_fresh_processes(online: SceneGraph, prior: SceneGraph, first: bool) -> dict[str, Any]:
-    """Seconds and MB of a process that loads and matches; ``first``: also with nothing compiled."""
+    """Seconds and MB of a process that loads and matches; ``first``: also with nothing compiled.
+
+    Python keeps bytecode, as it does unless it is told not to; the first process finds none.
+    """
     with tempfile.TemporaryDirectory() as name:
+        kept = {"PYTHONDONTWRITEBYTECODE": "", "PYTHONPYCACHEPREFIX": f"{name}/bytecode"}
         paths = [Path(name) / "online.json", Path(name) / "prior.json"]
         for graph, path in zip((online, prior), paths):
             write_json(graph, path)
         measured: dict[str, Any] = {}
         if first:
-            cold = {"SITUGRAPH_CACHE": f"{name}/cache", "NUMBA_CACHE_DIR": ""}
+            cold = {"SITUGRAPH_CACHE": f"{name}/cache", "NUMBA_CACHE_DIR": "", **kept}
             measured["first_use_s"] = _child(paths, cold)["seconds"]
-        _child(paths, {})  # compiles, where that has not been done
-        warm = _child(paths, {})
+        _child(paths, kept)  # compiles, where that has not been done
+        warm = _child(paths, kept)
         return {**measured, "fresh_process_s": warm["seconds"], **warm}
 
 
