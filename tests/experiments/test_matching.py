@@ -91,5 +91,19 @@ def test_full_size_is_the_stated_one(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(matching, "run_experiment", count)
     matching.run(RunOptions(full=True))
     assert seen["brute force"] == seen["oracle"] == 5_000
-    assert seen["trial covered"] == 20_000
+    assert seen["trial covered"] == 22_000  # more than 20,000 of them are admissible
     assert seen["foreign"] == seen["mirrored"] == 2 * 200
+
+
+def test_what_a_stricter_probability_would_leave_is_told() -> None:
+    common = {"part": "trial", "errors": "covered", "foreign": False, "admissible": True}
+    common |= {"rooms_right": False, "certified": True, "congruent": False, "aside": False}
+    rows = [
+        {**common, "outcome": "right", "said": [[0.99999, 1.0]]},
+        {**common, "outcome": "right", "said": [[0.995, 1.0]]},
+        {**common, "outcome": "wrong", "said": [[0.9995, 0.0]]},
+        {**common, "outcome": "none", "said": []},
+    ]
+    told = certificate.summarise_trials(rows)["trials_covered"]
+    assert told["from_0.999"] == {"right": 1, "wrong": 1}
+    assert told["from_0.9999"] == {"right": 1, "wrong": 0}

@@ -44,6 +44,7 @@ ASTRAY = msgspec.structs.replace(
 )
 ERRORS: dict[str, SamplerConfig] = {"covered": COVERED, "astray": ASTRAY, "beyond": BEYOND}
 LISTED = 20  # solutions of a trial whose probabilities are kept
+STRICTER = (0.999, 0.9999)  # than the 0.99 from which on a single solution is unique
 FOREIGN_SHARE = 0.01  # the definition's prior for 'not in this plan'
 # Walls that differ less than this are the same to a robot whose walls are 3 to 6 cm off.
 EXACT = MatchingConfig(min_share=1.0, plane_offset_tolerance=0.1, moved_limit=0.101, part_rooms=0)
@@ -198,8 +199,9 @@ def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
     ``displaced`` are those wrong ones whose rooms are all right (more than 0.3 m off, that is),
     ``aside`` those right ones that are true for the rooms they explain and, as the map is bent,
     more than 0.3 m off the best fit over all rooms. ``expected_wrong`` is what the stated
-    probabilities of the unique ones add up to. Foreign robots that saw walls which the plan has
-    as well (``congruent``) are counted apart.
+    probabilities of the unique ones add up to; ``from_0.999`` and the like are what would be left
+    of the right and wrong ones if a solution had to be so probable. Foreign robots that saw walls
+    which the plan has as well (``congruent``) are counted apart.
     """
     summary = {}
     for errors in ERRORS:
@@ -217,8 +219,15 @@ def summarise_trials(rows: list[dict[str, Any]]) -> dict[str, Any]:
             "expected_wrong": sum(
                 1.0 - r["said"][0][0] for r in covered if r["outcome"] in ("right", "wrong")
             ),
+            **{f"from_{least}": _from(least, covered) for least in STRICTER},
         }
     return summary
+
+
+def _from(least: float, rows: list[dict[str, Any]]) -> dict[str, int]:
+    """How many unique answers with at least this probability are right and wrong."""
+    sure = [r for r in rows if r["said"] and r["said"][0][0] >= least]
+    return {name: sum(r["outcome"] == name for r in sure) for name in ("right", "wrong")}
 
 
 def summarise_cross(rows: list[dict[str, Any]]) -> dict[str, Any]:
