@@ -16,7 +16,7 @@ SIZES = {
     "growth": (15, 100),
     "oracle_cases": (200, 5_000),
     "trials": (2_000, 22_000),  # of 22,000 more than 20,000 are admissible
-    "astray": (1_000, 12_000),
+    "astray": (1_000, 12_000),  # of them 9,900 are admissible
     "beyond": (1_000, 10_000),
     "pairs": (200, 200),
     "share": (100, 500),
