@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ import situgraph as sg
 from situgraph.experiments.certificate import COVERED
 from situgraph.experiments.outcomes import Judge
 from situgraph.geometry.poses import Placement, best_placement
-from situgraph.matching import MatchingConfig
+from situgraph.matching import MatchingConfig, MatchResult, bent_result, matcher
 from situgraph.matching.bent_result import BentResult
 from situgraph.matching.bent_solution import BentSolution
 from situgraph.matching.explanation import explain_pair
@@ -94,6 +95,28 @@ def test_a_mirrored_plan_fits_worse_than_its_mirror_image() -> None:
     assert "parts of it" in away.reason
     assert "the plan is mirrored" in away.reason
     assert away.to_dict()["solutions"] == []
+
+
+def test_a_mirror_image_that_was_not_searched_to_the_end_proves_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    prior, sample = seen("random", 60, 20, 0)
+    index = sg.PlanIndex(prior)
+    assert isinstance(sg.match(sample.online, index), BentResult)
+    assert sg.match(sample.online, index).certified
+    image, solve = mirrored(sample.online), matcher._match_whole
+    monkeypatch.setattr(bent_result, "mirrored", lambda graph: image)
+
+    def cut_short(online: SceneGraph, *args: Any, **options: Any) -> MatchResult:
+        result = solve(online, *args, **options)
+        result.complete = result.complete and online is not image
+        return result
+
+    monkeypatch.setattr(matcher, "_match_whole", cut_short)
+    result = sg.match(sample.online, index)
+    assert result.verdict == "ambiguous"
+    assert not result.certified
+    assert "cut short" in result.reason
 
 
 def test_a_building_that_maps_onto_itself_is_ambiguous() -> None:

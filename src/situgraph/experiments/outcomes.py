@@ -114,14 +114,18 @@ class Judge:
         starts = [motion_of(self._problem, placement) for placement in known]
         bend = max(self._away(start) for start in starts)
         turned = max(self._turned(start) for start in starts)
+        if max(bend, turned) <= EXACT:
+            return self._feasible_from(self._true, bend, turned)
         step, turn = min(STEP, bend), min(TURN, turned)
         true = self._true
         starts += [
             Motion(true.yaw + u * turn, true.point + step * np.array([x, y]), true.z)
             for u, x, y in itertools.product((-1, 0, 1), repeat=3)
         ]
-        starts += [motion_of(self._problem, s.transform) for r in results for s in r.solutions]
-        return any(self._feasible_from(start, bend, turned) for start in starts)
+        told = (motion_of(self._problem, s.transform) for r in results for s in r.solutions)
+        return any(
+            self._feasible_from(start, bend, turned) for start in itertools.chain(starts, told)
+        )
 
     def _away(self, motion: Motion) -> float:
         """Metres between where a placement and the true one take the middle of the rooms."""
@@ -159,10 +163,12 @@ class Judge:
         assert self._true is not None
         if not problem.planned:
             return False
-        near = storeys(problem, motion.z) & _nearby(problem, motion)
+        near: Flags | None = None
         for _ in range(ROUNDS):
             if self._away(motion) > bend + EXACT or self._turned(motion) > turned + EXACT:
                 return False
+            if near is None:
+                near = storeys(problem, motion.z) & _nearby(problem, motion)
             seen = view(problem, motion, near)
             if seen.feasible and same(problem, motion, self._true):
                 return True

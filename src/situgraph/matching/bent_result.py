@@ -30,26 +30,30 @@ def in_parts(whole: MatchResult, solve: Solve) -> MatchResult:
             if found.unique and not _is_anchored(parts, chains[0]):
                 found.verdict = "ambiguous"
             if found.unique:
-                found = BentResult(whole, parts, chains, _log_mirror(whole, solve))
+                found = BentResult(whole, parts, chains, *_log_mirror(whole, solve))
             found.take(time.perf_counter() - begin)
             return found
     return whole
 
 
-def _log_mirror(whole: MatchResult, solve: Solve) -> float:
-    """Ln W of 'the plan is mirrored': how well the map's mirror image fits, whole or in parts."""
+def _log_mirror(whole: MatchResult, solve: Solve) -> tuple[float, bool]:
+    """Ln W of 'the plan is mirrored': how well the map's mirror image fits, whole or in parts.
+
+    And whether all searches for it were complete.
+    """
     inputs, config = whole.inputs, whole.inputs.config
     if inputs.semantics == "containment" or config.mirror_prior <= 0:
-        return -math.inf
+        return -math.inf, True
     image = solve(mirrored(inputs.online))
-    best = -math.inf
+    best, complete = -math.inf, image.complete
     if image.candidates:
         best = float(image.found.posterior.candidate[0, 4]) + inputs.log_spread
     if image.verdict == "none":
         in_plan = math.log(1 - config.outside_prior)
-        chained = (chains_of(parts_of(image, solve, cut), config) for cut in CUTS)
-        best = max([best, *(chains[0].weight - in_plan for chains in chained if chains)])
-    return math.log(config.mirror_prior) + best
+        for parts in (parts_of(image, solve, cut) for cut in CUTS):
+            complete = complete and all(part.complete for part in parts)
+            best = max([best, *(chain.weight - in_plan for chain in chains_of(parts, config)[:1])])
+    return math.log(config.mirror_prior) + best, complete
 
 
 def _is_anchored(parts: list[Part], chain: Chain) -> bool:
@@ -76,8 +80,12 @@ class BentResult(MatchResult):
         parts: list[Part],
         chains: list[Chain],
         log_mirror: float = -math.inf,
+        mirror_complete: bool = True,
     ) -> None:
-        """``whole`` is the answer for all rooms at once, ``chains`` are best first."""
+        """``whole`` is the answer for all rooms at once, ``chains`` are best first.
+
+        ``log_mirror`` is ln W of 'the plan is mirrored', and whether all of that was searched.
+        """
         elsewhere = float(np.logaddexp(whole.log_outside, log_mirror))
         top = max(chains[0].weight, elsewhere)
         share = np.exp([chain.weight - top for chain in chains])
@@ -88,7 +96,7 @@ class BentResult(MatchResult):
         self.parts = parts
         self._chains = list(zip(chains, (share / total).tolist()))
         self.probability_outside = away / total
-        self.complete = all(part.complete for part in parts)
+        self.complete = mirror_complete and all(part.complete for part in parts)
         config = whole.inputs.config
         self._count = int(np.count_nonzero(share >= config.rival_ratio * share[0]))
         self.verdict = "ambiguous"

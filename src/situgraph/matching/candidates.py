@@ -31,8 +31,8 @@ class Known:
         self.grows = grows
         self.inputs: Inputs | None = None
         self._peaks: dict[bool, tuple[Aim, Peaks]] = {}
-        space = Space()
-        self._memory = {flipped: Memory(None, Traces(), space) for flipped in (False, True)}
+        space = Space() if grows else None
+        self._memory = {k: Memory(None, Traces(), space) for k in (False, True) if space}
         self._room: tuple[Block, Block] | None = None  # of the graph last searched: ``Peaks.room``
 
     def read(self, inputs: Inputs) -> None:
@@ -62,8 +62,8 @@ class Known:
         If the last search found none, but does not tell, ``wider`` says what to be after so that
         later ones are told as well.
         """
-        memory = self._memory[True]
-        if not self.grows or memory.left is None or not memory.left.empty:
+        memory = self._memory.get(True)
+        if memory is None or memory.left is None or not memory.left.empty:
             return False
         if memory.rules_out(inputs, aim):
             return True

@@ -14,9 +14,6 @@ from situgraph.matching.reading import begins
 from situgraph.matching.tables import Aim, Floats, Ints
 from situgraph.matching.traces import Start, Traces
 
-# Rooms from which on it is quicker to look where new ones are explained than to search everywhere.
-MANY = 16
-
 
 class Left(NamedTuple):
     """What a search left."""
@@ -56,7 +53,7 @@ class Memory:
             return None
         wanted = len(row) - len(left.aim.loss) - aim.least + left.aim.least
         able = int((inputs.seen.flat[row < 0] == 0).sum())
-        if aim.least < left.aim.least or wanted > able or (wanted > 0 and len(row) < MANY):
+        if aim.least < left.aim.least or wanted > able:
             return None
         cover = left.cover.copy()
         cover[:, [AX, AY]] += left.inputs.middle - inputs.middle
