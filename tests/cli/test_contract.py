@@ -43,6 +43,12 @@ def test_version_and_help() -> None:
         assert "Usage: situgraph" in helped.stdout
 
 
+def test_it_runs_as_a_module() -> None:
+    command = [sys.executable, "-m", "situgraph", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == call("--version").stdout
+
+
 def test_a_command_whose_module_is_missing_is_not_listed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(app.COMMANDS, "teleport", "Nothing yet.")
     assert "teleport" not in call("--help").stdout
