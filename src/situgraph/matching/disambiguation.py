@@ -81,7 +81,7 @@ def advise(
     """The observations that tell the solutions apart, the most telling first.
 
     ``looked`` is the probability that what can be seen of objects in the rooms was seen, so that
-    another look tells nothing new. ``contents``: whether objects in a new room tell it apart.
+    another look tells nothing new. ``contents``: whether objects are evidence at all.
     """
     told = solutions[:MOST_SOLUTIONS]
     if len(told) < 2:
@@ -89,7 +89,7 @@ def advise(
     chance = np.array([s.probability for s in told])
     every = [predictions(s, online, prior) for s in told]
     found = [
-        *_on_walls(every, chance, 1.0 - looked),
+        *(_on_walls(every, chance, 1.0 - looked) if contents else ()),
         *_unseen_walls(every, chance),
         *_next_rooms(every, chance, contents),
     ]

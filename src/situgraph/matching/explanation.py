@@ -12,6 +12,7 @@ import numpy as np
 
 from situgraph.geometry.poses import Placement
 from situgraph.matching.bent_result import BentResult
+from situgraph.matching.bent_solution import Answer
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.result import MatchResult
 from situgraph.matching.tables import explaining
@@ -44,7 +45,7 @@ def explain_pair(result: MatchResult, mine: str, theirs: str) -> Explanation:
     """
     inputs = result.inputs
     one, two = inputs.online.room_by_id[mine], inputs.index.prior.room_by_id[theirs]
-    for k, solution in enumerate(result.solutions):
+    for k, solution in enumerate(_all_solutions(result)):
         if solution.rooms.get(mine) == theirs:
             chance = f"{100 * solution.probability:.3g} %"
             return Explanation("matched", f"matched in solution {k + 1} ({chance})")
@@ -59,6 +60,15 @@ def explain_pair(result: MatchResult, mine: str, theirs: str) -> Explanation:
         held = _by_faces(inputs, one, two)
         return held or Explanation("geometric", _misfit(inputs, one, two))
     return _by_placement(result, one, two, places)
+
+
+def _all_solutions(result: MatchResult) -> Iterator[Answer]:
+    """Listed or not."""
+    yield from result.solutions
+    for rank in range(len(result.solutions), result.count):
+        solution = result.candidate(rank)
+        assert solution is not None
+        yield solution
 
 
 def _by_type(inputs: Inputs, one: Room, two: Room) -> Explanation | None:

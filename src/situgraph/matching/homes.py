@@ -19,7 +19,7 @@ import numpy as np
 from situgraph.matching.blocks import Block
 from situgraph.matching.compiled import entry, part
 from situgraph.matching.corners import Corners, cell_of, quarter_of
-from situgraph.matching.pairing import add_option
+from situgraph.matching.pairing import add_option, astray
 from situgraph.matching.plain import (
     BASE,
     CLEAR,
@@ -234,7 +234,7 @@ def explain_plain(case, spot, r, a, yaw, x, y):
         score += value
     if missing > 1 or (missing == 1 and case.seen.strict[r]) or along == 0 or across == 0:
         return False
-    add_option(case, r, a, score)
+    add_option(case, r, a, score - astray(case, a, x, y))
     return True
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from situgraph.matching.candidates import Known
 from situgraph.matching.config import MatchingConfig
 from situgraph.matching.index import PlanIndex
-from situgraph.matching.matcher import Semantics, match_knowing
+from situgraph.matching.matcher import Semantics, known_policy, match_knowing
 from situgraph.matching.result import MatchResult
 from situgraph.scenegraph.graph import SceneGraph
 
@@ -31,9 +31,13 @@ class Matcher:
         semantics: Semantics = "likelihood",
         config: MatchingConfig | None = None,
     ) -> None:
-        """Index the plan, unless it is indexed already; arguments as those of ``match``."""
+        """Index the plan, unless it is indexed already; arguments as those of ``match``.
+
+        Raises:
+            InputError: a room of the plan names a plane that is not there; no such policy.
+        """
         self.index = PlanIndex(index, config) if isinstance(index, SceneGraph) else index
-        self.semantics = semantics
+        self.semantics = known_policy(semantics)
         self.config = config or self.index.config
         self.result: MatchResult | None = None
         self._online: SceneGraph | None = None
@@ -64,4 +68,9 @@ class Matcher:
         )
 
     def _same_objects(self, online: SceneGraph) -> bool:
-        return self._online is not None and self._online.objects == online.objects
+        before = self._online
+        return (
+            before is not None
+            and before.objects == online.objects
+            and before.modelled_categories == online.modelled_categories
+        )

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from situgraph.matching.area import area_of
 from situgraph.matching.blocks import Block
 from situgraph.matching.cases import room_for
 from situgraph.matching.config import MatchingConfig
@@ -28,6 +29,7 @@ from situgraph.scenegraph.graph import SceneGraph
 
 MAP_MARGIN = 3.0  # metres around the room centres
 CELLS_A_ROOM, LEAST_CELLS = 64, 4096
+LEAST_REACH = 2.0  # metres; of a room of parallel walls it is not known how long it is
 BIN = math.radians(0.25)  # lines whose directions differ less are kept together
 
 
@@ -61,7 +63,7 @@ class PlanIndex:
         self.origin: Floats = rooms.center[:, :2].mean(axis=0) if len(rooms.kept) else np.zeros(2)
         self.center: Floats = rooms.center[:, :2] - self.origin
         self.elevations: Floats = np.unique(heights[rooms.kept])
-        self.area = _area(prior, heights, self.config.plan_margin)
+        self.area = area_of(_centers(prior), heights, self.config.plan_margin)
         self.table = self._table(rooms, normal, distance, heights[rooms.kept])
         self.room = room_for(self.table)
         self._narrower: dict[tuple[str, ...], PlanIndex] = {}
@@ -130,6 +132,7 @@ class PlanIndex:
             first,
             row,
             storey,
+            _middles(self.center, distance, room),
             *corners,
             large,
             *lines,
@@ -142,6 +145,11 @@ class PlanIndex:
             *strands_of(first, row, distance),
         )
         return Plan(*made, Block.of(Plan, made))  # type: ignore[call-arg]
+
+
+def _centers(prior: SceneGraph) -> Floats:
+    """The centre of each room in the plan (n, 2), counted or not."""
+    return np.array([x for r in prior.rooms for x in r.center]).reshape(-1, 3)[:, :2]
 
 
 def cells_of(center: Floats) -> tuple[Ints, Floats]:
@@ -165,14 +173,14 @@ def _turns_of(angle: Floats) -> Floats:
     return np.array([turn.min(), turn.max()])
 
 
-def _area(prior: SceneGraph, heights: Floats, margin: float) -> float:
-    """Where a robot may be: the bounding rectangles of the storeys' room centres, grown."""
-    centers = np.array([x for r in prior.rooms for x in r.center]).reshape(-1, 3)[:, :2]
-    total = 0.0
-    for height in np.unique(heights):
-        low, high = np.min(c := centers[heights == height], axis=0), np.max(c, axis=0)
-        total += float(np.prod(high - low + 2 * margin))
-    return total or (2 * margin) ** 2
+def _middles(center: Floats, distance: Floats, room: Ints) -> Floats:
+    """``Plan.middle`` (M, 3): what was seen of a room has its centre within that room, about.
+
+    With a standard deviation of half as far as its farthest wall is from its centre.
+    """
+    reach = np.full(len(center), LEAST_REACH)
+    np.maximum.at(reach, room, np.abs(distance))
+    return np.column_stack([center, 2.0 / reach**2])
 
 
 def _lines(row: Floats, room: Ints, storey: Ints, storeys: int) -> tuple[Floats | Ints, ...]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Literal
+from typing import Literal, get_args
 
+from situgraph.errors import InputError
 from situgraph.matching.candidates import Known
 from situgraph.matching.compiled import announce_compilation
 from situgraph.matching.config import MatchingConfig
@@ -18,6 +19,7 @@ from situgraph.matching.result import Found, MatchResult
 from situgraph.scenegraph.graph import SceneGraph
 
 Semantics = Literal["none", "containment", "likelihood"]
+POLICIES: tuple[str, ...] = get_args(Semantics)
 
 
 def match(
@@ -39,11 +41,25 @@ def match(
         config: settings; by default those of the index.
 
     Raises:
-        InputError: a room names a plane that is not there.
+        InputError: a room names a plane that is not there, an id is there twice, a number is not
+            finite; no such policy.
     """
     if isinstance(index, SceneGraph):
         index = PlanIndex(index, config)
-    return match_knowing(online, index, semantics, config or index.config, Known())
+    policy = known_policy(semantics)
+    return match_knowing(online, index, policy, config or index.config, Known())
+
+
+def known_policy(semantics: str) -> Semantics:
+    """The policy of this name.
+
+    Raises:
+        InputError: there is none.
+    """
+    if semantics in POLICIES:
+        return semantics  # type: ignore[return-value]
+    remedy = f"it is one of {', '.join(POLICIES)}"
+    raise InputError("semantics", f"there is no policy {semantics!r}", remedy)
 
 
 def match_knowing(

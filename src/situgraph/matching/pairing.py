@@ -1,4 +1,8 @@
-"""Which online room goes to which prior room: most rooms, then the largest sum of scores."""
+"""Which online room goes to which prior room: most rooms, then the largest sum of scores.
+
+Walls are lines without ends, so those of one corridor are those of the next in line as well: the
+score of a pair is what its walls say, less for a room whose centre is far from the prior one's.
+"""
 
 # mypy: allow-untyped-defs, allow-untyped-calls
 # (the types of kernels are those of the tables; numba infers them)
@@ -7,6 +11,14 @@ from __future__ import annotations
 from situgraph.matching.compiled import part
 
 TIE = 1e-9  # share of a score by which smaller prior indices are preferred
+
+
+@part
+def astray(case, a, x, y):
+    """What a room whose centre is at ``(x, y)`` loses as one explained by ``a``."""
+    middle = case.plan.middle
+    dx, dy = x - middle[a, 0], y - middle[a, 1]
+    return (dx * dx + dy * dy) * middle[a, 2]
 
 
 @part

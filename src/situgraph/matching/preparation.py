@@ -125,7 +125,8 @@ def prepare(
     """The tables of a match; what was read ``before``, of the same settings, is not read again.
 
     Raises:
-        InputError: a room names a plane that is not there.
+        InputError: a room names a plane that is not there, an id is there twice, a number is not
+            finite.
     """
     constants = index.constants if config is index.config else Constants(config)
     listed = list_rooms(online, config.usable_tilt, before.listed if before else None)

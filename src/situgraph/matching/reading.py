@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from itertools import accumulate
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -98,7 +99,8 @@ def list_rooms(graph: SceneGraph, tilt: float, before: Listed | None = None) -> 
     What the graph begins with as the one listed ``before``, by the same tilt, is not read again.
 
     Raises:
-        InputError: a room names a plane that is not there.
+        InputError: a room names a plane that is not there, an id is there twice, or a plane is not
+            finite.
     """
     steepest = math.sin(tilt) + 1e-12
     row: dict[str, int] = {}
@@ -130,7 +132,30 @@ def list_rooms(graph: SceneGraph, tilt: float, before: Listed | None = None) -> 
         if len(planes) > 1:
             kept.append(k)
             rows.append(planes)
+    _check(graph, row, equation)
     return Listed(kept, rows, row, equation, steep, graph)
+
+
+def _check(graph: SceneGraph, row: dict[str, int], equation: list[float]) -> None:
+    """Refuse what a file could not hold, but a graph that was made by a program may."""
+    source = graph.name or "scene graph"
+    if not math.isfinite(sum(equation)):
+        finite = (math.isfinite(sum(p.normal) + p.offset) for p in graph.planes)
+        name = next((p.id for p, fine in zip(graph.planes, finite) if not fine), "")
+        raise InputError(source, f"the plane {name!r} is not finite", "leave it out")
+    if not math.isfinite(sum(x for room in graph.rooms for x in room.center)):
+        name = next(r.id for r in graph.rooms if not math.isfinite(sum(r.center)))
+        raise InputError(source, f"the centre of room {name!r} is not finite", "leave it out")
+    if len(row) != len(graph.planes):
+        _refuse(source, "plane", [plane.id for plane in graph.planes])
+    names = [room.id for room in graph.rooms]
+    if len(set(names)) != len(names):
+        _refuse(source, "room", names)
+
+
+def _refuse(source: str, what: str, names: list[str]) -> NoReturn:
+    name = Counter(names).most_common(1)[0][0]
+    raise InputError(source, f"the {what} {name!r} is there twice", "give each its own id")
 
 
 def begins(things: tuple[Any, ...], with_these: tuple[Any, ...]) -> bool:

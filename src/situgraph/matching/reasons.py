@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from situgraph.matching.bent_solution import Answer, BentSolution
 
 if TYPE_CHECKING:
@@ -26,15 +28,19 @@ def _none(result: MatchResult) -> str:
         return "no room of the plan has two planes that can be used"
     candidates = result.stats["candidates"]
     if candidates == 0:
-        tried = result.stats["hypotheses"]
         if not result.complete:
             return (
-                f"the search was cut short ({tried} placements tried) and found none that explains "
-                f"at least {least} of {rooms} rooms"
+                f"the search was cut short, and found no placement that explains at least {least} "
+                f"of {rooms} rooms"
+            )
+        if _all_parallel(result):
+            return (
+                "all walls that were seen are parallel: nothing tells where along them the robot "
+                "is (unconstrained)"
             )
         cut = result.inputs.config.may_be_cut(rooms)
         nor = ", nor do parts of the map by themselves" if cut else ""
-        return f"no placement explains at least {least} of {rooms} rooms ({tried} tried){nor}"
+        return f"no placement explains at least {least} of {rooms} rooms{nor}"
     outside = f"{100 * result.probability_outside:.3g} %"
     first = result.candidate(0)
     fit = f"{_placements(candidates)} at least {least} of {rooms} rooms"
@@ -49,6 +55,13 @@ def _none(result: MatchResult) -> str:
         f"{fit}, but rooms like these fit by chance: not in this plan is the most probable "
         f"({outside})"
     )
+
+
+def _all_parallel(result: MatchResult) -> bool:
+    """Whether no two walls that were seen could fix a placement."""
+    inputs = result.inputs
+    angle = inputs.seen.angle
+    return bool((np.abs(np.sin(angle - angle[0])) < inputs.limits.sine / 2).all())
 
 
 def _unique(result: MatchResult) -> str:
@@ -89,7 +102,8 @@ def _ambiguous(result: MatchResult) -> str:
             f"{_placement(best)} {_share(best, result)} with probability {chance}, which is "
             f"not enough; not in this plan has {outside}"
         )
-    second = result.solutions[1]
+    second = result.candidate(1)
+    assert second is not None
     return (
         f"{result.count:,} placements cannot be told apart; the best explains "
         f"{_share(best, result)} ({chance}), the next {_share(second, result)} "

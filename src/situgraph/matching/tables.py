@@ -98,6 +98,7 @@ class Plan(NamedTuple):
     first: Ints  # (M + 1,)
     row: Table  # (Q, 4) normal x, y, offset, direction of the normal
     storey: Ints  # (M,)
+    middle: Table  # (M, 3) centre of each room, and what a metre squared from it costs (``astray``)
     corner_first: Shorts  # (cells + 1,) corners by storey, direction and cell (``corners``)
     corner_place: Singles  # (C, 2)
     corner_angle: Single  # (C,) direction of the first plane

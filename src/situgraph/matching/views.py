@@ -14,7 +14,7 @@ from situgraph.matching.containment import room_allowed
 from situgraph.matching.explained import explain
 from situgraph.matching.homes import explain_plain
 from situgraph.matching.lookup import Reach, find
-from situgraph.matching.pairing import add_option, contested, pair_up
+from situgraph.matching.pairing import add_option, astray, contested, pair_up
 from situgraph.matching.slack import Slack, residuals
 from situgraph.matching.steady import is_steady, keep_steady, recall_steady
 from situgraph.matching.tables import FIT, MISSING, MOVED
@@ -120,7 +120,7 @@ def _choose(case, spot, r, found, yaw, x, y, slack):
         if room_allowed(case, r, a):
             score = explain(case, r, a, yaw, x, y, slack)
             if score > -math.inf:
-                add_option(case, r, a, score)
+                add_option(case, r, a, score - astray(case, a, x, y))
                 if options.room[r, 0] == a:
                     _note(case, spot, r)
     if options.count[r] > 0:

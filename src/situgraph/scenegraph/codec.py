@@ -63,8 +63,15 @@ class Document(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
         )
 
 
+def _plain(value: Any) -> object:
+    """A number or an array of numpy's, of which graphs made by programs are full."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"a scene graph cannot hold a {type(value).__name__}")
+
+
 _decoder = msgspec.json.Decoder(Document)
-_encoder = msgspec.json.Encoder()
+_encoder = msgspec.json.Encoder(enc_hook=_plain)
 
 
 def _document(graph: SceneGraph) -> Document:
@@ -129,7 +136,7 @@ def read_json(path: str | Path) -> SceneGraph:
 
 def encode(graph: SceneGraph) -> bytes:
     """The graph as JSON bytes, one node a line; reading them back gives an equal graph."""
-    raw = msgspec.to_builtins(_document(validate(graph, graph.name or "graph")))
+    raw = msgspec.to_builtins(_document(validate(graph, graph.name or "graph")), enc_hook=_plain)
     lines = []
     for key, value in raw.items():
         name = _encoder.encode(key)

@@ -46,6 +46,7 @@ class Definition(msgspec.Struct, frozen=True, kw_only=True):
     p_tied: float = 0.07
     mirror_prior: float = 0.001
     shape_walls: float = 4.0
+    least_reach: float = 2.0
     plan_margin: float = 5.0
     min_share: float = 0.7
     all_rooms_up_to: int = 3

@@ -86,11 +86,21 @@ def moved_center(problem: Problem, motion: Motion, r: int) -> Array:
 def view(problem: Problem, motion: Motion, pairs: Flags, slack: float = SLACK) -> View:
     """Everything explained at one placement, among the room pairs whose storeys agree."""
     found = explained(problem, motion, np.argwhere(pairs), slack)
-    scores = {pair: score for pair, (score, *_) in found.items()}
+    scores = {
+        (r, a): score - _astray(problem, moved_center(problem, motion, r), a)
+        for (r, a), (score, *_) in found.items()
+    }
     chosen = pair_up(scores, len(problem.seen), len(problem.planned))
     kept = tuple(_room_pair(problem, pair, found[pair], slack) for pair in chosen)
     enough = len(kept) >= problem.least_rooms
     return View(motion, kept, enough and _fixed(problem, kept))
+
+
+def _astray(problem: Problem, center: Array, a: int) -> float:
+    """Section 2: what a pair of rooms loses whose centres are apart."""
+    its, least = problem.planned[a], problem.constants.least_reach
+    sigma = max(least, float(np.abs(its.distances).max())) / 2
+    return float(((center - its.center) ** 2).sum()) / (2 * sigma**2)
 
 
 Fitting = tuple[int, int, int, int]  # online room, prior room, their planes

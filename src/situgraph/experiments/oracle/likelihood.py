@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections import defaultdict
 
@@ -20,6 +21,7 @@ from situgraph.experiments.oracle.objects import most_object_evidence, object_ev
 from situgraph.experiments.oracle.problem import Problem
 from situgraph.experiments.oracle.shapes import alike_anyway
 from situgraph.experiments.oracle.wall_lines import tied
+from situgraph.geometry.poses import Array, rotation2
 
 
 def wall_evidence(problem: Problem, seen: View) -> float:
@@ -90,14 +92,25 @@ def log_weight(problem: Problem, total: float) -> float:
     return math.log(1 - c.outside_prior) + total + math.log(spread)
 
 
+@functools.lru_cache(maxsize=16)
 def plan_area(problem: Problem) -> float:
-    """Sum over storeys of the bounding rectangle of the room centres, grown by the margin."""
+    """Sum over storeys of the smallest rectangle around the room centres, grown by the margin."""
     elevations = {s.id: s.elevation for s in problem.prior.storeys}
     by_storey: dict[float, list[tuple[float, float]]] = defaultdict(list)
     for room in problem.prior.rooms:
         by_storey[elevations.get(room.storey or "", 0.0)].append(room.center[:2])
-    grown = 2 * problem.constants.plan_margin
-    return float(sum(np.prod(np.ptp(np.array(c), axis=0) + grown) for c in by_storey.values()))
+    return sum(_smallest(np.array(c), problem.constants.plan_margin) for c in by_storey.values())
+
+
+def _smallest(points: Array, margin: float) -> float:
+    """The smallest rectangle lies along the way between two of the points: all are tried."""
+    least = math.inf if len(points) > 1 else (2 * margin) ** 2
+    for k in range(1, len(points)):
+        ways = points[k:] - points[:-k]
+        for angle in np.arctan2(ways[:, 1], ways[:, 0]):
+            sides = np.ptp(points @ rotation2(angle), axis=0) + 2 * margin
+            least = min(least, float(np.prod(sides)))
+    return least
 
 
 def log_weight_outside(problem: Problem) -> float:
