@@ -38,18 +38,45 @@ def slide(case, at, inside, out):
     """Into ``out`` the optimum for ``case.one`` where no plane that is at a limit goes over it.
 
     Those that would are held so far ``inside`` of it, one after the other. A straight way leaves
-    such a limit when it turns; farther inside it can be longer. None is held afterwards.
+    such a limit when it turns; farther inside it can be longer. None is held afterwards. Where a
+    plane would turn over the angle tolerance, the yaw is held.
     """
-    view = case.one
-    optimum(case, view, at, inside, out)
+    view, sums, turn = case.one, scratch(SUMS), math.nan
+    sum_pulls(case, view, at, inside, sums)
+    _solve_at(sums, at, turn, out)
     for _ in range(MOST_HELD):
         worst = _most_over(case, view, out)
-        if worst < 0:
+        if worst >= 0:
+            case.tally.held[worst] = 1
+        elif math.isnan(turn):
+            turn = _most_turned(case, view, wrapped(out[0] - at[0]), inside)
+            if math.isnan(turn):
+                break
+        else:
             break
-        case.tally.held[worst] = 1
-        optimum(case, view, at, inside, out)
+        sum_pulls(case, view, at, inside, sums)
+        _solve_at(sums, at, turn, out)
     for i in range(len(view.state)):
         case.tally.held[i] = 0
+
+
+@part
+def _most_turned(case, view, turn, inside):
+    """The turn at which the yaw is held, where planes at the limit would turn over it; else NaN.
+
+    That is so far ``inside`` of the limit, but no farther than the middle of the yaws at which all
+    planes are within the tolerance: those may be few.
+    """
+    low, high = -math.inf, math.inf
+    for i in range(len(view.state)):
+        if view.state[i] == FIT or view.state[i] == MOVED:
+            low = max(low, -case.limits.angle - view.bend[i])
+            high = min(high, case.limits.angle - view.bend[i])
+    if turn > high + SLACK and high < AT_LIMIT:
+        return max(high - inside, (low + high) / 2)
+    if turn < low - SLACK and low > -AT_LIMIT:
+        return min(low + inside, (low + high) / 2)
+    return math.nan
 
 
 @part
@@ -83,10 +110,21 @@ def optimum(case, spot, at, inside, out):
 
     That must be the view at ``at``. Planes that are held stay so far ``inside`` of their limits.
     """
-    sums, system, step = scratch(SUMS), scratch(9), scratch(3)
+    sums = scratch(SUMS)
     sum_pulls(case, spot, at, inside, sums)
+    _solve_at(sums, at, math.nan, out)
+
+
+@part
+def _solve_at(sums, at, held, out):
+    """Into ``out`` the placement at which so much pulls nowhere; a turn that is not NaN is held."""
+    system, step = scratch(9), scratch(3)
     turn, x, y = 0.0, 0.0, 0.0
-    for _ in range(STEPS):
+    if not math.isnan(held):
+        turn = held
+        pull_of(sums, turn, x, y, system)
+        x, y = _solve_held(system)
+    for _ in range(STEPS if math.isnan(held) else 0):
         pull_of(sums, turn, x, y, system)
         if not solve(system, system[6], system[7], system[8], step):
             break
@@ -98,6 +136,16 @@ def optimum(case, spot, at, inside, out):
     out[0] = wrapped(at[0] + turn)
     out[1] = at[1] + x
     out[2] = at[2] + y
+
+
+@part
+def _solve_held(system):
+    """The step along x and y that a ``pull_of`` asks for at its yaw; none when singular."""
+    a, b, c = system[3], system[4], system[5]
+    det = a * c - b * b
+    if not det > 1e-12 * abs(a * c):
+        return 0.0, 0.0
+    return (b * system[8] - c * system[7]) / det, (b * system[7] - a * system[8]) / det
 
 
 @part
