@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from situgraph.geometry.poses import Placement
-from situgraph.matching import MatchingConfig, PlanIndex
+from situgraph.matching import MatchingConfig, PlanIndex, calls
 from situgraph.matching.matcher import match
 from situgraph.scenegraph.graph import Plane, Room, SceneGraph
 from situgraph.scenegraph.transform import transformed
@@ -92,3 +92,24 @@ def test_a_search_cut_short_is_never_unique_and_says_so(limit: str) -> None:
     assert not result.unique
     assert not result.certified
     assert "cut short" in result.reason
+
+
+@pytest.mark.parametrize("limit", [1_000_000, 10_000_000])
+def test_a_search_ends_soon_after_its_last_step(limit: int) -> None:
+    prior = comb(50)
+    seen = noisy(transformed(prior.replace(rooms=prior.rooms[:1]), MOTION))
+    config = MatchingConfig(max_work=limit)
+    result = match(seen, PlanIndex(prior, config), semantics="none")
+    assert not result.complete
+    assert limit < result.stats["steps"] < limit + 1_000_000  # a few looks at the hall
+
+
+def test_a_search_that_lacks_room_has_no_more_steps_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    prior = comb()
+    seen = noisy(transformed(prior.replace(rooms=prior.rooms[1:]), MOTION))
+    config = MatchingConfig(rival_ratio=0.0)
+    begun_again = match(seen, prior, semantics="none", config=config)
+    monkeypatch.setattr(calls, "ROOM", 1_000)
+    enough = match(seen, prior, semantics="none", config=config)
+    assert begun_again.candidates == enough.candidates
+    assert begun_again.stats["steps"] > enough.stats["steps"]

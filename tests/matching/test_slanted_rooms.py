@@ -11,7 +11,7 @@ import pytest
 from situgraph.matching import MatchingConfig, PlanIndex, match
 from situgraph.scenegraph.graph import Plane, Room, SceneGraph
 
-CONFIG = MatchingConfig(max_boxes=5_000, max_work=1_000_000)
+CONFIG = MatchingConfig(max_boxes=5_000, max_work=20_000_000)
 PRIOR = {  # the walls of each room: directions of their normals in degrees, offsets
     "one": ((90.0, 0.0), (180.0, 3.6), (-85.236, 2.9896), (0.0, 0.0)),
     "two": ((100.305, 0.6798), (180.0, 7.1), (-84.806, 2.9424), (0.0, -3.8)),

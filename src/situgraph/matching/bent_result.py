@@ -148,7 +148,7 @@ class BentResult(MatchResult):
     def stats(self) -> dict[str, Any]:
         """As of the whole map, with what the search of the parts adds."""
         whole, own = super().stats, [part.result.stats for part in self.parts]
-        sums = {k: whole[k] + sum(s[k] for s in own) for k in ("hypotheses", "boxes")}
+        sums = {k: whole[k] + sum(s[k] for s in own) for k in ("hypotheses", "boxes", "steps")}
         return {**whole, **sums, "parts": len(own)}
 
     @property

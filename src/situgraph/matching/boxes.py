@@ -20,6 +20,7 @@ from situgraph.matching.pairing import add_option, pair_up
 from situgraph.matching.plain import QUARTER
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import Slack, give, wrapped
+from situgraph.matching.tables import WORK
 
 YAW, TURN, PX, PY, UX, UY, HU, HV, AX, AY = range(10)  # columns of a box
 SIDES = 10
@@ -248,6 +249,7 @@ def _extreme(case, bound, sign):
             spans.sorted[k] = spans.sorted[k - 1]
             k -= 1
         spans.sorted[k] = value
+        case.found.count[WORK] += 1 + (count - k) // 4
         count += 1
     return max(spans.sorted[task.least - 1], must)
 

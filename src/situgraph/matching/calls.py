@@ -12,11 +12,11 @@ from situgraph.matching.cases import Tables
 from situgraph.matching.entries import Search, run
 from situgraph.matching.sightings import Planned, Rates
 from situgraph.matching.sights import Sights
-from situgraph.matching.tables import PEAKS, Aim, Floats, Ints, View, explaining
+from situgraph.matching.tables import PEAKS, WORK, Aim, Floats, Ints, View, explaining
 from situgraph.matching.traces import Start, Traces
 
 ROOM = 64  # for peaks, to begin with, at least
-NOTHING_KNOWN = {"former_cover": None, "former_first": None, "wanted": 0}
+NOTHING_KNOWN = {"former_cover": None, "former_first": None, "wanted": 0, "spent": 0}
 LINKS = 16  # an online object has to prior ones, to begin with
 SHARED = "case.ground.shared"
 NO_OBJECTS: dict[str, Any] = {"sighted": None, "side": 1.0, "planned": None, "rates": None}
@@ -60,7 +60,7 @@ class Peaks(NamedTuple):
     walls: Floats  # (k,) L by the walls alone
     alike: Ints  # (N,) how many prior rooms explain each online room in isolation
     similar: float  # what that says for another building, of similar rooms wall to wall
-    done: list[int]  # peaks, hypotheses, boxes, 1 when incomplete, comparisons, boxes left
+    done: list[int]  # peaks, hypotheses, boxes, 1 when incomplete, steps, boxes left
     room: Block | None  # in which it worked
 
 
@@ -113,7 +113,7 @@ def find_peaks(
             walls, shift = room.array("walls")[:found].copy(), room.array("shift")[:found].copy()
             alike = room.field("case.found", "alike")[: tables.room["N"]].copy()
             return Peaks(place[:found].copy(), shift, walls, alike, similar, done, room)
-        room = None
+        room, given["spent"] = None, done[WORK]
 
 
 def views_at(tables: Tables, shifts: Ints, shift: Ints, at: Floats) -> View:

@@ -104,7 +104,7 @@ class Known:
         if not rooms or not inputs.index.rooms:
             none, nothing = np.zeros(0, dtype=np.int64), np.empty(0)
             alike = np.zeros(rooms, dtype=np.int64)
-            return Peaks(np.empty((0, 5)), none, nothing, alike, 0.0, [0] * 4, None)
+            return Peaks(np.empty((0, 5)), none, nothing, alike, 0.0, [0] * 5, None)
         searched = inputs.tables, inputs.mapping, inputs.shifts, aim, inputs.objects
         if inputs.flipped:
             same = last is not None and last[0] is inputs.draft

@@ -233,12 +233,12 @@ class MatchingConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     max_work: Annotated[
         int,
         setting(
-            "Comparisons of planes at most before the search is called incomplete",
+            "Steps at most, each about a comparison of planes, before a search is incomplete",
             "1",
             "docs/matching.md",
             ge=1,
         ),
-    ] = 1_000_000_000
+    ] = 2_000_000_000
 
     @property
     def shape_gain(self) -> float:

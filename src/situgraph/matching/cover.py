@@ -16,7 +16,7 @@ from situgraph.matching.hypotheses import copy_box, enclose
 from situgraph.matching.plain import CX, CY, HIGH, LOW, farthest
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
-from situgraph.matching.tables import HELD, LEFT
+from situgraph.matching.tables import HELD, LEFT, WORK
 
 JOINED = 0.3  # half widths of kept boxes put together, at most, metres
 STRAY, STRAY_TURN = 0.5, 0.1  # how far from a box its placements are looked for, metres, radians
@@ -63,6 +63,7 @@ def keep_region(case, box, arm):
 def _keep(boxes, count, which, box, arm):
     """In a kept box beside it, or by itself; where there is no room for it, it is only counted."""
     both = scratch(SIDES)
+    count[WORK] += min(count[which], len(boxes)) // 2
     if count[which] >= len(boxes):
         count[which] += 1
         return
@@ -82,6 +83,7 @@ def _keep(boxes, count, which, box, arm):
 def outside(case, box):
     """Whether no placement in or near a box is in the region; it is anchored at the mean centre."""
     region, sway = case.found.region, radius(box) + STRAY
+    case.found.count[WORK] += case.found.count[HELD]
     for k in range(case.found.count[HELD]):
         held = region[k]
         if (
@@ -113,6 +115,7 @@ def far_off(case, box):
     three times its arm, times the half width of the yaw, from the box.
     """
     region, near = case.found.region, case.found.near
+    case.found.count[WORK] += case.found.count[HELD] // 2
     sway = 2 * radius(box) + 3 * math.hypot(box[AX], box[AY]) * box[TURN]
     for k in range(case.found.count[HELD]):
         x, y, reach = near[k, 0] - box[PX], near[k, 1] - box[PY], near[k, 2] + sway

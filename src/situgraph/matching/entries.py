@@ -24,6 +24,7 @@ from situgraph.matching.tables import (
     SETTLED,
     SIFTED,
     STAGE,
+    WORK,
     Case,
     Floats,
     Ints,
@@ -48,6 +49,7 @@ class Search(NamedTuple):
     former_cover: Table  # (g, SIDES) the cover of an earlier search
     former_first: Ints  # (shifts + 1,) where that of each shift begins; empty without one
     wanted: int  # groups of new rooms
+    spent: int  # steps of a search that lacked room, and was begun again
     evidence: Evidence
     claim: Annotated[Ints, "objects"]
     weighs: int  # whether there are objects to weigh
@@ -67,6 +69,7 @@ def run(place, looks):
 def _search_all(wanted):
     case = wanted.case
     task, found = case.task, case.found
+    found.count[WORK] = wanted.spent
     _shapes_alike(case)
     wanted.told[0] = _weigh_others(case)
     kept = left = 0

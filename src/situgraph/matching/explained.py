@@ -41,6 +41,7 @@ def may_explain(case, r, a, yaw, x, y, slack):
     for i in range(begin, end):
         near, fit = False, False
         top, rows = rows_near(case, a, i, yaw, x, y, limits.moved, slack)
+        case.found.count[WORK] += rows
         for c in range(rows):
             j = row_at(case, top, c)
             bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
@@ -88,6 +89,7 @@ def _any_crossed(case, r, a, yaw, x, y, slack):
 def _may_fit(case, i, a, yaw, x, y, slack):
     seen, plan, limits = case.seen, case.plan, case.limits
     top, rows = rows_near(case, a, i, yaw, x, y, limits.fit, slack)
+    case.found.count[WORK] += rows
     for c in range(rows):
         j = row_at(case, top, c)
         bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
@@ -252,6 +254,7 @@ def _force(bench, i, by):
 def _can_cross(case, begin, n):
     """Whether two planes that are not parallel have counterparts that fit."""
     seen, limits, bench = case.seen, case.limits, case.bench
+    case.found.count[WORK] += n * n // 2
     for i in range(n):
         if not _can_fit(bench, i):
             continue
@@ -293,6 +296,7 @@ def _search(case, begin, n, strict):
     for i in range(n):
         bench.pick[i] = -1
     for _ in range(MOST_STEPS):
+        case.found.count[WORK] += 1
         if bench.pick[depth] >= 0:  # take back the choice that was tried
             k = bench.pick[depth]
             total -= bench.value[depth, k]
@@ -314,7 +318,6 @@ def _search(case, begin, n, strict):
         elif _holds(case, begin, n, strict):
             best = total
             _keep(case, n)
-    case.found.count[WORK] += MOST_STEPS
     return math.inf
 
 

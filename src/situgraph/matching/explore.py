@@ -30,6 +30,7 @@ from situgraph.matching.cover import (
     spread,
     strayed,
 )
+from situgraph.matching.effort import exhausted
 from situgraph.matching.hypotheses import copy_box, split
 from situgraph.matching.nearby import add_peak, is_highest, peaks_near
 from situgraph.matching.optimum import optimum
@@ -37,7 +38,7 @@ from situgraph.matching.peaks import climb, feasible, rise
 from situgraph.matching.records import scratch
 from situgraph.matching.represented import NEAR, known_peak, none_higher
 from situgraph.matching.settled import all_fit, settle, settled_by
-from situgraph.matching.tables import BOXES, CUT, PEAKS, STAGE, WITHIN, WORK
+from situgraph.matching.tables import BOXES, CUT, PEAKS, STAGE, WITHIN
 from situgraph.matching.views import fixes, look, look_whole, unexplained
 from situgraph.matching.wards import entrust
 
@@ -160,13 +161,3 @@ def ascend(case, at):
         top = rise(case, at, height)
         if top > height:
             settle(case, at, top)
-
-
-@part
-def exhausted(case):
-    """Whether the search must be cut short."""
-    count, limits = case.found.count, case.limits
-    if count[BOXES] <= limits.max_boxes and count[WORK] <= limits.max_work:
-        return False
-    count[CUT] = 1
-    return True

@@ -24,7 +24,7 @@ from situgraph.matching.maps import (
     tells,
 )
 from situgraph.matching.records import scratch
-from situgraph.matching.tables import MAPPED
+from situgraph.matching.tables import MAPPED, WORK
 
 STEP = 0.7  # metres that the farthest room moves, about, in half of a part of the yaws
 DEPTH = 8  # of the halving of the yaws, at most
@@ -139,6 +139,7 @@ def _enough_at(case, box, g, yaw, half):
     x, y = scale * (box[PX] - plan.corner[0]), scale * (box[PY] - plan.corner[1])
     odd = quarter_at(ground, yaw) & 1
     farthest = (REACH - radius(box)) / (2 * math.sin(half / 2) + 1e-12)
+    case.found.count[WORK] += 2 * groups.told[MAPPED]
     for k in range(groups.told[MAPPED]):
         if groups.apart[k] > farthest:
             break

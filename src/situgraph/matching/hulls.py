@@ -14,6 +14,7 @@ from situgraph.matching.compiled import part
 from situgraph.matching.plain import SHARP, facing, plain_pair
 from situgraph.matching.slack import SLACK, wrapped
 from situgraph.matching.strands import row_at, rows_near
+from situgraph.matching.tables import WORK
 
 
 @part
@@ -24,6 +25,7 @@ def plane_spans(case, r, a, yaw, x, y, slack):
     """
     seen, spans = case.seen, case.spans
     begin = seen.first[r]
+    case.found.count[WORK] += 4 * (seen.first[r + 1] - begin)
     for k in range(seen.first[r + 1] - begin):
         spans.kind[k] = 0
         spans.turn_low[k], spans.turn_high[k] = math.inf, -math.inf
@@ -35,6 +37,7 @@ def plane_spans(case, r, a, yaw, x, y, slack):
         return
     for i in range(begin, seen.first[r + 1]):
         top, rows = rows_near(case, a, i, yaw, x, y, case.limits.fit, slack)
+        case.found.count[WORK] += rows
         for c in range(rows):
             _add_span(case, i - begin, i, row_at(case, top, c), yaw, x, y, slack)
 
@@ -95,6 +98,7 @@ def hull(case, half, r):
     if seen.flat[r]:
         return _flat_hull(case, half, r, seen.first[r + 1] - begin)
     some = False
+    case.found.count[WORK] += 2 * (seen.crossed_first[r + 1] - seen.crossed_first[r])
     for c in range(seen.crossed_first[r], seen.crossed_first[r + 1]):
         i, k = seen.crossed[c, 0] - begin, seen.crossed[c, 1] - begin
         if spans.kind[i] == 0 or spans.kind[k] == 0:

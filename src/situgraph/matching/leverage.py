@@ -9,7 +9,7 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.optimum import arm_of, offset_of, solve
 from situgraph.matching.slack import wrapped
-from situgraph.matching.tables import FIT, MOVED
+from situgraph.matching.tables import FIT, MOVED, WORK
 from situgraph.matching.views import PARALLEL, one_wall
 
 LEAST_REST = 1e-3  # share of what a plane says that others say as well, to go by its leverage
@@ -32,6 +32,7 @@ def measure_margins(case, at, margin):
             continue
         ax, ay = arm_of(seen, r, c, s)
         margin[2] = max(margin[2], math.hypot(ax, ay))
+        _count_pairs(case, r, a)
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(plan.first[a], plan.first[a + 1]):
                 bend = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
@@ -118,6 +119,7 @@ def far_apart(case, fall, margin, step):
     leads there. L is lower by what walls say one by one; but those that moved as one may say more.
     """
     limits, view, paired = case.limits, case.root, 0
+    case.found.count[WORK] += len(view.state) ** 2 // 4
     for i in range(len(view.state)):
         for k in range(len(view.state)):
             both = i != k and view.state[i] == MOVED and view.state[k] == MOVED
@@ -158,6 +160,7 @@ def _lever(case, at, r, i, j, system, step):
 def _most_spared(case, j):
     """What a plane with the prior row ``j`` spares at most when it moves: its wall has moved."""
     view, limits = case.one, case.limits
+    case.found.count[WORK] += len(view.state) // 4
     for i in range(len(view.state)):
         if view.state[i] == MOVED and one_wall(case, view.row[i], j):
             return max(0.0, math.log(limits.together + limits.alone))
@@ -183,6 +186,14 @@ def _within(step, margin):
 
 
 @part
+def _count_pairs(case, r, a):
+    """Count that all planes of ``r`` are held against all of ``a``."""
+    seen, plan = case.seen, case.plan
+    planes, rows = seen.first[r + 1] - seen.first[r], plan.first[a + 1] - plan.first[a]
+    case.found.count[WORK] += planes * rows
+
+
+@part
 def _keeps_states(case, at, step, changed, row):
     """Whether all planes but the one that is changed stay within their limits on a step, or beyond.
 
@@ -195,6 +206,7 @@ def _keeps_states(case, at, step, changed, row):
         if a < 0:
             continue
         ax, ay = arm_of(seen, r, c, s)
+        _count_pairs(case, r, a)
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(plan.first[a], plan.first[a + 1]):
                 if i == changed and j == row:

@@ -15,7 +15,8 @@ from situgraph.matching.compiled import part
 from situgraph.matching.corners import ROUNDED, cell_of, quarter_of
 from situgraph.matching.homes import sole_room
 from situgraph.matching.slack import wrapped
-from situgraph.matching.strands import first_from
+from situgraph.matching.strands import LOOKUP, first_from
+from situgraph.matching.tables import WORK
 
 WIDEST = 6.0  # metres by which a corner may be off; of placements wider than that nothing is told
 KEPT, KEPT_TURN = 0.25, 0.02  # metres and radians around a placement whose rooms are kept
@@ -53,6 +54,7 @@ def find(case, r, storey, at, all_if_wide):
     ``all_if_wide``.
     """
     seen, finder = case.seen, case.finder
+    case.found.count[WORK] += LOOKUP
     cx, cy = seen.center[r, 0], seen.center[r, 1]
     ux, uy = cx - at.ax, cy - at.ay
     off = at.spread + at.sweep * math.sqrt(ux * ux + uy * uy)
@@ -124,6 +126,7 @@ def _by_corners(case, r, storey, at):
         x, y = at.cos * ux - at.sin * uy, at.sin * ux + at.cos * uy
         angle = seen.angle[seen.probe[k, 0]] + at.yaw
         count = _by_corner(case, storey, at, x, y, arm, off, angle, count)
+    case.found.count[WORK] += len(plan.large)
     for k in range(len(plan.large)):
         a = plan.large[k]
         if plan.storey[a] == storey and finder.last[a] != finder.turn[0]:
@@ -154,7 +157,9 @@ def _by_corner(case, storey, at, ux, uy, arm, off, angle, count):
         top = (4 * storey + (quarter & 3)) * plan.corner_cells[1]
         for line in range(top + y0, top + y1 + 1):
             row = line * plan.corner_cells[0]
-            for k in range(plan.corner_first[row + x0], plan.corner_first[row + x1 + 1]):
+            begin, end = plan.corner_first[row + x0], plan.corner_first[row + x1 + 1]
+            case.found.count[WORK] += 1 + end - begin
+            for k in range(begin, end):
                 dx, dy = plan.corner_place[k, 0] - x, plan.corner_place[k, 1] - y
                 if abs(dx) > wide or abs(dy) > tall:
                     continue
@@ -177,6 +182,7 @@ def _by_corner(case, storey, at, ux, uy, arm, off, angle, count):
 def _everywhere(case, storey):
     plan, finder = case.plan, case.finder
     count = 0
+    case.found.count[WORK] += len(plan.storey) // 4
     for a in range(len(plan.storey)):
         if plan.storey[a] == storey:
             finder.room[count] = a
@@ -213,4 +219,5 @@ def _by_line(case, r, storey, yaw, turn, x, y, slip):
                 finder.room[count] = a
                 count += 1
             k += 1
+        case.found.count[WORK] += LOOKUP + count
     return count

@@ -8,7 +8,7 @@ import math
 
 from situgraph.matching.compiled import part
 from situgraph.matching.slack import wrapped
-from situgraph.matching.tables import PEAKS
+from situgraph.matching.tables import PEAKS, WORK
 
 LEAST_GAIN = 1e-3  # of L, for which another peak is climbed to
 TIE = 1e-6  # of L, which rounding may decide
@@ -99,37 +99,50 @@ def enter_peak(case, k):
 @part
 def peaks_near(case, x, y, reach):
     """How many peaks stand in ``found.close``, first come first: all within ``reach``, and more."""
-    found, count = case.found, 0
+    found, count, met = case.found, 0, 4
     peaks = min(found.count[PEAKS], len(found.peak))
     x0, x1 = math.floor((x - reach) / CELL), math.floor((x + reach) / CELL)
     y0, y1 = math.floor((y - reach) / CELL), math.floor((y + reach) / CELL)
     if (x1 - x0 + 1) * (y1 - y0 + 1) >= peaks:
         for k in range(peaks):
             found.close[k] = k
+        found.count[WORK] += peaks // 4
         return peaks
     for i in range(x0, x1 + 1):
         for j in range(y0, y1 + 1):
-            k = found.bucket[_bucket(i, j)] - 1
+            before, k = count, found.bucket[_bucket(i, j)] - 1
             while k >= 0:
                 dx, dy = found.peak[k, 1] - x, found.peak[k, 2] - y
-                if dx * dx + dy * dy <= reach * reach:
-                    count = _insert(found.close, count, k)
+                inside = math.floor(found.peak[k, 1] / CELL) == i
+                inside = inside and math.floor(found.peak[k, 2] / CELL) == j
+                if inside and dx * dx + dy * dy <= reach * reach:
+                    found.close[count] = k
+                    count += 1
                 k = found.linked[k] - 1
+                met += 1
+            met += _merge(found.close, before, count)
+    found.count[WORK] += met
     return count
 
 
 @part
-def _insert(close, count, k):
-    """Insert by ascending number, once; returns how many there are."""
-    at = count
-    while at > 0 and close[at - 1] > k:
-        at -= 1
-    if at > 0 and close[at - 1] == k:
-        return count
-    for m in range(count, at, -1):
-        close[m] = close[m - 1]
-    close[at] = k
-    return count + 1
+def _merge(close, middle, count):
+    """Bring numbers into order: those up to ``middle`` ascend, those from there on descend.
+
+    Returns how many are passed.
+    """
+    for k in range((count - middle) // 2):
+        one, two = middle + k, count - 1 - k
+        close[one], close[two] = close[two], close[one]
+    passed = 0
+    for m in range(middle, count):
+        k, at = close[m], m
+        while at > 0 and close[at - 1] > k:
+            close[at] = close[at - 1]
+            at -= 1
+        close[at] = k
+        passed += m - at
+    return passed
 
 
 @part

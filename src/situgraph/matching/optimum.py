@@ -9,13 +9,14 @@ import math
 from situgraph.matching.compiled import part
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import SLACK, wrapped
-from situgraph.matching.tables import FIT, MOVED
+from situgraph.matching.tables import FIT, MOVED, WORK
 from situgraph.matching.views import count_planes
 
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
 MOST_HELD = 3  # planes at once: a placement has no more freedom
 STIFF = 1e6  # times the weight of a plane that is held
+SOLVED = 60  # comparisons of planes that the steps from given sums are worth, about
 SUMS = 16  # over the planes, of which all pulls are made
 
 
@@ -157,6 +158,7 @@ def sum_pulls(case, spot, at, inside, sums):
     """
     view = spot
     seen, plan, limits, tally = case.seen, case.plan, case.limits, case.tally
+    case.found.count[WORK] += SOLVED + 3 * len(view.state)
     count_planes(case, spot)
     c, s = math.cos(at[0]), math.sin(at[0])
     for k in range(SUMS):

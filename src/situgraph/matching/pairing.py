@@ -9,6 +9,7 @@ score of a pair is what its walls say, less for a room whose centre is far from 
 from __future__ import annotations
 
 from situgraph.matching.compiled import part
+from situgraph.matching.tables import WORK
 
 TIE = 1e-9  # share of a score by which smaller prior indices are preferred
 
@@ -159,6 +160,7 @@ def _add_row(case, start, bonus, used):
             j = work.met[k]
             if work.mark[j] == 1 and (best < 0 or work.near[j] < work.near[best]):
                 best = j
+        case.found.count[WORK] += met + options.count[r]
         length = work.near[best]
         work.mark[best] = 2
         if work.owner[best] == 0:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
+from situgraph.matching.effort import exhausted
 from situgraph.matching.leverage import (
     far_apart,
     leads_back,
@@ -128,6 +129,8 @@ def _raise_once(case, at, height, goal, tried, top):
         if view.room[r] < 0:
             continue
         for i in range(seen.first[r], seen.first[r + 1]):
+            if exhausted(case):
+                return best
             j = view.row[i]
             if view.state[i] == MISSING:
                 j = nearly_moved(case, at, r, i)

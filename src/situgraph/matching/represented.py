@@ -18,6 +18,7 @@ from situgraph.matching.boxes import (
 )
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import may_be
+from situgraph.matching.effort import exhausted
 from situgraph.matching.explained import may_explain
 from situgraph.matching.lookup import find
 from situgraph.matching.nearby import TIE, peaks_near, same_place
@@ -27,7 +28,7 @@ from situgraph.matching.strands import row_at, rows_near
 from situgraph.matching.tables import WORK
 
 NEAR = 1.0  # candidates nearer to a box than this may represent it, metres
-PEAKS_A_COMPARISON = 4  # that are passed over in the time of a comparison of planes, about
+JUDGED = 12  # comparisons of planes that a look whether a peak is near a box is worth, about
 
 
 @part
@@ -44,8 +45,7 @@ def known_peak(case, box):
         m, count = 0, peaks_near(case, middle[1], middle[2], reach)
         while m < count and (close[m] <= last or not stands_for(case, close[m], box)):
             m += 1
-        case.found.count[WORK] += count // PEAKS_A_COMPARISON
-        if m == count:
+        if m == count or exhausted(case):
             return -1
         last = close[m]
         if _others_stand(case, last, box):
@@ -80,6 +80,7 @@ def none_higher(case, k):
 def stands_for(case, k, box):
     """Whether peak ``k`` represents all feasible placements of the box."""
     limits, middle, at = case.limits, scratch(3), case.found.peak[k]
+    case.found.count[WORK] += JUDGED
     centre(box, middle)
     sway = sway_of(box)
     apart = math.hypot(at[1] - middle[1], at[2] - middle[2])
@@ -129,6 +130,7 @@ def represents_room(case, box, here, at, r):
             continue
         for i in range(seen.first[r], seen.first[r + 1]):
             top, rows = rows_near(case, a, i, box[YAW], x, y, limits.fit, slack)
+            case.found.count[WORK] += rows
             for m in range(rows):
                 j = row_at(case, top, m)
                 bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])

@@ -24,7 +24,7 @@ class Found(NamedTuple):
 
     posterior: Posterior
     alike: Ints  # (N,) how many prior rooms explain each online room in isolation
-    done: list[int]  # peaks, hypotheses, boxes, incomplete
+    done: list[int]  # peaks, hypotheses, boxes, incomplete, steps
     complete: bool
     log_mirror: float  # of the probability that the plan is mirrored; -inf when it is of no account
 
@@ -179,6 +179,7 @@ class MatchResult:
             ),
             "hypotheses": int(self.found.done[1]),
             "boxes": int(self.found.done[2]),
+            "steps": int(self.found.done[4]),
             "candidates": self.candidates,
             "seconds": {"index": inputs.index.seconds, "search": search, "total": total},
             "complete": self.complete,

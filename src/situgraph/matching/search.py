@@ -28,8 +28,9 @@ from situgraph.matching.cover import (
     longest_arm,
     sight,
 )
+from situgraph.matching.effort import exhausted
 from situgraph.matching.explained import may_explain
-from situgraph.matching.explore import exhausted, explore, settles_at_once
+from situgraph.matching.explore import explore, settles_at_once
 from situgraph.matching.ground import enough, enough_in_middle, lay, partners_lie
 from situgraph.matching.groups import NOWHERE, form_groups, sort_rooms
 from situgraph.matching.hypotheses import (
@@ -63,6 +64,7 @@ from situgraph.matching.tables import (
 )
 from situgraph.matching.wards import reclaim
 
+TRIAL = 12  # comparisons of planes that a box is worth of which maps tell that it is none, about
 JOINED = 0.3  # half widths of a box put together of several, at most, metres
 
 
@@ -164,6 +166,7 @@ def _search_groups(case):
             continue
         sort_rooms(case, r)
         sift_for(case, g)
+        case.found.count[WORK] += len(plan.storey)
         if case.found.count[STAGE] == WITHIN:
             sight(case, r)
         for a in range(len(plan.storey)):
@@ -238,6 +241,7 @@ def _try(case, g, start):
     if exhausted(case) or (count[STAGE] == WITHIN and far_off(case, start)):
         return
     count[TRIED] += 1
+    count[WORK] += TRIAL
     if not may_lie(case, start):
         return
     box = scratch(SIDES)
@@ -314,6 +318,7 @@ def _crossing(case, r, q, box):
     for a in range(len(plan.storey)):
         if plan.storey[a] != one or not may_be(case, r, a):
             continue
+        case.found.count[WORK] += len(plan.storey)
         for b in range(len(plan.storey)):
             if exhausted(case):
                 return

@@ -13,7 +13,8 @@ import math
 from situgraph.matching.boxes import SIDES
 from situgraph.matching.compiled import part
 from situgraph.matching.cover import longest_arm
-from situgraph.matching.explore import ascend, exhausted, explore
+from situgraph.matching.effort import exhausted
+from situgraph.matching.explore import ascend, explore
 from situgraph.matching.peaks import feasible
 from situgraph.matching.records import scratch
 from situgraph.matching.settled import FARTHEST, WIDEST, around

@@ -17,9 +17,10 @@ from situgraph.matching.lookup import Reach, find
 from situgraph.matching.pairing import add_option, astray, contested, pair_up
 from situgraph.matching.slack import Slack, residuals
 from situgraph.matching.steady import is_steady, keep_steady, recall_steady
-from situgraph.matching.tables import FIT, MISSING, MOVED
+from situgraph.matching.tables import FIT, MISSING, MOVED, WORK
 
 PARALLEL = 0.01  # sine of the angle between the planned faces of one wall, at most
+LOOK = 8  # comparisons of planes that a look at a room is worth, about
 
 
 @part
@@ -94,6 +95,7 @@ def _gather_room(case, spot, r, at, slack, recalls, keeps):
     seen, finder, options, yaw = case.seen, case.finder, case.options, at.yaw
     storey = case.task.storeys[seen.storey[r]]
     options.count[r] = 0
+    case.found.count[WORK] += LOOK
     if storey < 0:
         return False
     cx, cy = seen.center[r, 0], seen.center[r, 1]
@@ -180,6 +182,7 @@ def fixes(case, spot):
             first = i
         elif abs(math.sin(seen.angle[i] - seen.angle[first])) >= limits.sine:
             return True
+    case.found.count[WORK] += len(view.state) ** 2 // 4
     for i in range(len(view.state)):
         for k in range(i):
             both = view.state[i] == FIT and view.state[k] == FIT
@@ -226,6 +229,7 @@ def tally_planes(case, spot):
     Returns how often a plane is moved.
     """
     view, seen, tally, moved = spot, case.seen, case.tally, 0
+    case.found.count[WORK] += len(view.state)
     for p in range(seen.planes):
         tally.missing[p] = 0
         tally.sums[p, 0] = tally.sums[p, 1] = tally.sums[p, 2] = tally.sums[p, 3] = 0.0
@@ -297,6 +301,7 @@ def _moved_together(case):
     total = 0.0
     while True:
         best = -1
+        case.found.count[WORK] += seen.planes
         for p in range(seen.planes):
             out = _is_moved(case.tally, p) and sums[p, 7] == 0
             if out and (best < 0 or sums[p, 8] > sums[best, 8]):

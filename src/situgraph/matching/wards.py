@@ -14,7 +14,7 @@ from situgraph.matching.cover import nothing_left, spread
 from situgraph.matching.hypotheses import copy_box
 from situgraph.matching.nearby import TIE, same_place
 from situgraph.matching.represented import none_higher, stands_for
-from situgraph.matching.tables import PEAKS
+from situgraph.matching.tables import PEAKS, WORK
 
 
 @part
@@ -38,6 +38,7 @@ def reclaim(case, k, box):
     peaks, ward, since = case.found.peak, case.found.ward, case.found.since
     if since[k] == 0:
         return False
+    case.found.count[WORK] += max(0, case.found.count[PEAKS] - since[k]) // 2
     for m in range(since[k], min(case.found.count[PEAKS], len(peaks))):
         if peaks[m, 3] < peaks[k, 3] - TIE or not same_place(case, peaks[k], peaks[m]):
             continue

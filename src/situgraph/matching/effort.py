@@ -1,0 +1,21 @@
+"""How much a search may do: boxes, and steps about as long as a comparison of two planes.
+
+What a kernel does is counted where it is done, so that the answer does not depend on the machine.
+"""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+# (the types of kernels are those of the tables; numba infers them)
+from __future__ import annotations
+
+from situgraph.matching.compiled import part
+from situgraph.matching.tables import BOXES, CUT, WORK
+
+
+@part
+def exhausted(case):
+    """Whether the search must be cut short."""
+    count, limits = case.found.count, case.limits
+    if count[BOXES] <= limits.max_boxes and count[WORK] <= limits.max_work:
+        return False
+    count[CUT] = 1
+    return True
