@@ -8,13 +8,15 @@ What a kernel does is counted where it is done, so that the answer does not depe
 from __future__ import annotations
 
 from situgraph.matching.compiled import part
-from situgraph.matching.tables import BOXES, CUT, WORK
+from situgraph.matching.tables import BOXES, CUT, PEAKS, WORK
 
 
 @part
 def exhausted(case):
-    """Whether the search must be cut short."""
+    """Whether the search must end here: cut short, or begun again with more room for peaks."""
     count, limits = case.found.count, case.limits
+    if count[PEAKS] > len(case.found.peak):
+        return True
     if count[BOXES] <= limits.max_boxes and count[WORK] <= limits.max_work:
         return False
     count[CUT] = 1

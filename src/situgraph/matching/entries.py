@@ -75,6 +75,8 @@ def _search_all(wanted):
     kept = left = 0
     nothing_claimed(wanted.evidence)
     for z in range(len(wanted.shifts)):
+        if kept > len(wanted.shift):  # all is searched again, with more room
+            break
         for u in range(len(task.storeys)):
             task.storeys[u] = wanted.shifts[z, u]
         found.count[PEAKS] = found.count[LEFT] = found.count[HELD] = found.count[SETTLED] = 0

@@ -63,8 +63,6 @@ def explore(case, start):
         found.count[BOXES] += 1
         if exhausted(case):
             break
-        if found.count[PEAKS] > len(found.peak):  # to be searched again with more room
-            break
         before = extent(box, arm)
         if not shrink(case, box):
             continue

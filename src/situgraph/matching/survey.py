@@ -31,7 +31,7 @@ def survey(case, g, before):
     Its peaks are those from number ``before`` on. No room is required for that.
     """
     found, groups = case.found, case.groups
-    if groups.told[MADE] - 1 - g < WORTH or found.count[PEAKS] > len(found.peak):
+    if groups.told[MADE] - 1 - g < WORTH or exhausted(case):
         return
     top = _highest(found, before)
     if found.settled[top, 0] > 0.0:
@@ -42,7 +42,7 @@ def survey(case, g, before):
     _ascend_beside(case, found.peak[top])
     explore(case, box)
     _require(case, g, 1)
-    if exhausted(case) or found.count[PEAKS] > len(found.peak):
+    if exhausted(case):
         return
     _note(found, top, _highest(found, before), turn)
 
