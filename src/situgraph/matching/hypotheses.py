@@ -41,6 +41,7 @@ from situgraph.matching.slack import SLACK, no_slack, wrapped
 from situgraph.matching.tables import WORK
 
 MOST_CROSSED = 8  # pairs of planes of a room that are all tried
+AT_END = 1e-6  # radians from an end of the yaws, where that is the angle tolerance
 SHAPE_BOXES = 4000  # searched at most for one placement of one room in isolation
 
 
@@ -215,7 +216,7 @@ def _explained_in(case, r, a, start):
         if explain(case, r, a, box[YAW], box[PX], box[PY], slack) == -math.inf:
             continue
         side, widest = 0, 5 * box[TURN]
-        if box[HU] > widest:
+        if box[HU] > widest or not _yaw_decides(case, r, a, box):
             side, widest = 1, box[HU]
         if box[HV] > widest:
             side, widest = 2, box[HV]
@@ -224,6 +225,23 @@ def _explained_in(case, r, a, start):
         split(box, side, stack[depth], stack[depth + 1])
         depth += 2
     return depth > 0
+
+
+@part
+def _yaw_decides(case, r, a, box):
+    """Whether some planes have the same direction at some yaws of the box only.
+
+    Offsets are compared at the room's centre, so the yaw changes nothing else.
+    """
+    seen, plan, limits = case.seen, case.plan, case.limits
+    rows = plan.first[a + 1] - plan.first[a]
+    case.found.count[WORK] += rows * (seen.first[r + 1] - seen.first[r]) // 2
+    for i in range(seen.first[r], seen.first[r + 1]):
+        for j in range(plan.first[a], plan.first[a + 1]):
+            bend = abs(wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3]))
+            if abs(bend - limits.angle) < box[TURN] - AT_END:
+                return True
+    return False
 
 
 @part

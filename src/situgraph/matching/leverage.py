@@ -45,15 +45,19 @@ def measure_margins(case, at, margin):
 
 @part
 def nearly_moved(case, at, r, i):
-    """The wall nearest by of those just beyond where missing plane ``i`` would be moved, or -1."""
+    """The wall nearest by of those beyond which missing plane ``i`` would be moved, or -1.
+
+    Just beyond: by offset or by angle.
+    """
     seen, plan, limits, a = case.seen, case.plan, case.limits, case.one.room[r]
     nearest, found = limits.moved + limits.fit, -1
     ax, ay = arm_of(seen, r, math.cos(at[0]), math.sin(at[0]))
     for j in range(plan.first[a], plan.first[a + 1]):
-        if abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3])) > limits.angle:
+        bend = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
+        if bend > 2.0 * limits.angle:
             continue
         off = abs(offset_of(case, i, j, at[1] + ax, at[2] + ay))
-        if limits.moved < off < nearest:
+        if off < nearest and (off > limits.moved or bend > limits.angle):
             nearest, found = off, j
     return found
 
@@ -67,7 +71,8 @@ def stays_low(case, at, r, i, j, system, margin, step):
     """
     view, limits = case.one, case.limits
     state = view.state[i]
-    if not _by_itself(case, i):
+    turned = abs(wrapped(case.seen.angle[i] + at[0] - case.plan.row[j, 3])) > limits.angle
+    if turned or not _by_itself(case, i):
         return False
     offset, ease = _lever(case, at, r, i, j, system, step)
     weight, worth = limits.plane_weight, limits.fit_peak - limits.moved_base

@@ -14,6 +14,8 @@ from situgraph.matching.views import count_planes
 
 STEPS = 6  # of Gauss-Newton: only the rotation is not linear, and hardly
 AT_LIMIT = 1e-4  # metres from a limit, at which a plane can be what ends a way
+# Which planes are kept from going over a limit: none, those at it, all.
+KEPT_NONE, KEPT_AT_LIMITS, KEPT_ALL = range(3)
 MOST_HELD = 3  # planes at once: a placement has no more freedom
 STIFF = 1e6  # times the weight of a plane that is held
 SOLVED = 60  # comparisons of planes that the steps from given sums are worth, about
@@ -35,8 +37,8 @@ def offset_of(case, i, j, x, y):
 
 
 @part
-def slide(case, at, inside, out):
-    """Into ``out`` the optimum for ``case.one`` where no plane that is at a limit goes over it.
+def slide(case, at, inside, kept, out):
+    """Into ``out`` the optimum for ``case.one`` where no plane that is ``kept`` goes over a limit.
 
     Those that would are held so far ``inside`` of it, one after the other. A straight way leaves
     such a limit when it turns; farther inside it can be longer. None is held afterwards. Where a
@@ -46,7 +48,7 @@ def slide(case, at, inside, out):
     sum_pulls(case, view, at, inside, sums)
     _solve_at(sums, at, turn, out)
     for _ in range(MOST_HELD):
-        worst = _most_over(case, view, out)
+        worst = _most_over(case, view, kept, out)
         if worst >= 0:
             case.tally.held[worst] = 1
         elif math.isnan(turn):
@@ -81,9 +83,11 @@ def _most_turned(case, view, turn, inside):
 
 
 @part
-def _most_over(case, view, goal):
-    """The plane at a limit that would be farthest over it at ``goal``, -1 for none."""
+def _most_over(case, view, kept, goal):
+    """The plane that is ``kept`` and would be farthest over a limit at ``goal``, -1 for none."""
     seen, limits = case.seen, case.limits
+    if kept == KEPT_NONE:
+        return -1
     worst, most = -1, SLACK
     c, s = math.cos(goal[0]), math.sin(goal[0])
     for r in range(len(view.room)):
@@ -96,7 +100,7 @@ def _most_over(case, view, goal):
             if (
                 (state != FIT and state != MOVED)
                 or case.tally.held[i]
-                or (stop - abs(view.offset[i]) >= AT_LIMIT)
+                or (kept != KEPT_ALL and stop - abs(view.offset[i]) >= AT_LIMIT)
             ):
                 continue
             over = abs(offset_of(case, i, j, goal[1] + ax, goal[2] + ay)) - stop

@@ -21,6 +21,9 @@ from situgraph.matching.leverage import (
 from situgraph.matching.limits import first_limit
 from situgraph.matching.nearby import LEAST_GAIN, add_peak
 from situgraph.matching.optimum import (
+    KEPT_ALL,
+    KEPT_AT_LIMITS,
+    KEPT_NONE,
     SUMS,
     arm_of,
     offset_of,
@@ -32,7 +35,14 @@ from situgraph.matching.optimum import (
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MISSING, MOVED
-from situgraph.matching.views import copy_view, count_planes, evidence, fixes, look_near
+from situgraph.matching.views import (
+    copy_view,
+    count_planes,
+    evidence,
+    fixes,
+    look_near,
+    nearly_explained,
+)
 
 ROUNDS = 30
 ARRIVED = 1e-6  # metres and radians from the optimum
@@ -67,7 +77,7 @@ def climb(case, at):
         if held == 0:
             optimum(case, case.one, at, 0.0, goal)
         else:
-            slide(case, at, INSIDE[held], goal)
+            slide(case, at, INSIDE[held], KEPT_AT_LIMITS, goal)
         if _step_to(at, goal, tried) < STILL:
             break
         _part_way(goal, goal, 0.0, 0.0, tried)
@@ -75,16 +85,19 @@ def climb(case, at):
         value = height
         if arrives or _last_feasible(case, at, goal, False, tried):
             value = evidence(case, case.two)
+        stays = _same(case.one, case.two)
+        falls = arrives and value < height - LEAST_GAIN
         # L falls where a plane ceases to fit: that ends the way as well.
-        if arrives and value < height - LEAST_GAIN and _last_feasible(case, at, goal, True, tried):
-            arrives, value = False, evidence(case, case.two)
-        if value <= height + 1e-12:
+        if falls and not stays and _last_feasible(case, at, goal, True, tried):
+            arrives, stays, value = False, True, evidence(case, case.two)
+        # Walls that moved as one may say less at the optimum: they move nothing.
+        settles = stays and arrives and value < height - LEAST_GAIN
+        if value <= height + 1e-12 and not settles:
             held = len(INSIDE) if arrives else held + 1
             if held == len(INSIDE):
                 break
             continue
         height = value
-        stays = _same(case.one, case.two)
         _part_way(tried, tried, 0.0, 0.0, at)
         copy_view(case.two, case.one)
         if stays and arrives and INSIDE[held] < INSIDE[-1]:
@@ -127,6 +140,9 @@ def _raise_once(case, at, height, goal, tried, top):
     count_planes(case, view)
     for r in range(len(view.room)):
         if view.room[r] < 0:
+            value = _explained(case, at, r, goal, tried)
+            best = _note_higher(case, value, height, best, tried, top)
+            count_planes(case, view)
             continue
         for i in range(seen.first[r], seen.first[r + 1]):
             if exhausted(case):
@@ -140,12 +156,20 @@ def _raise_once(case, at, height, goal, tried, top):
             if falls and leads_back(case, origin, r, i, system, margin, far, step):
                 continue
             value = _changed(case, at, r, i, j, free, goal, tried)
-            if value > height + LEAST_GAIN:
-                add_peak(case, tried, value, math.nan)
-                if value > best:
-                    best = value
-                    _part_way(tried, tried, 0.0, 0.0, top)
+            best = _note_higher(case, value, height, best, tried, top)
             count_planes(case, view)
+    return best
+
+
+@part
+def _note_higher(case, value, height, best, tried, top):
+    """Note a peak at ``tried`` that is higher than ``height``; ``top`` becomes the highest one."""
+    if value <= height + LEAST_GAIN:
+        return best
+    add_peak(case, tried, value, math.nan)
+    if value > best:
+        best = value
+        _part_way(tried, tried, 0.0, 0.0, top)
     return best
 
 
@@ -202,36 +226,108 @@ def _changed(case, at, r, i, j, free, goal, tried):
     """L of the peak, at ``tried``, to which plane ``i`` leads that is let go, held, or not missing.
 
     ``j`` is its prior row. No L is as low as when it leads nowhere. ``case.one`` is that of ``at``
-    before and after.
+    before and after. Where other planes change as well, it is tried again with those held that
+    are at their limits, then with all that would go over them.
     """
-    view, state, arrives = case.one, case.one.state[i], False
+    state, value, other, last = case.one.state[i], -math.inf, scratch(3), scratch(3)
+    for kept in range(KEPT_NONE, KEPT_ALL + 1):
+        if (free and kept == KEPT_AT_LIMITS) or (state == FIT and kept == KEPT_ALL):
+            continue
+        arrives = _lead(case, at, r, i, j, kept, goal)
+        repeats = value > -math.inf and _step_to(last, goal, other) < ARRIVED
+        _part_way(goal, goal, 0.0, 0.0, last)
+        if repeats or (state == MISSING and (not arrives or case.two.state[i] == MISSING)):
+            continue
+        _part_way(goal, goal, 0.0, 0.0, other)
+        stays = arrives and _others_stay(case, i)
+        if not arrives and (value > -math.inf or not _last_feasible(case, at, goal, False, other)):
+            continue
+        # From where a limit stopped the climb, another way may lead on.
+        if not (free and _same(case.one, case.two)):
+            copy_view(case.two, case.one)
+            reached = climb(case, other)
+            copy_view(case.kept, case.one)
+            if reached > value:
+                value = reached
+                _part_way(other, other, 0.0, 0.0, tried)
+        if stays:
+            break
+    return value
+
+
+@part
+def _lead(case, at, r, i, j, kept, goal):
+    """Into ``goal`` where a change of plane ``i`` leads; whether that is feasible (``case.two``).
+
+    A plane that does not come within its limit so is held at it.
+    """
+    state = case.one.state[i]
+    _change(case, at, r, i, j)
+    over = state == MISSING and abs(case.one.offset[i]) > case.limits.moved
+    if kept == KEPT_NONE and not over:
+        slide(case, at, INSIDE[1], kept, goal)
+        arrives = arrive(case, case.two, goal)
+        over = state == MOVED and not (arrives and case.two.state[i] == FIT)
+    else:
+        over = over or state == MOVED
+        arrives = False
+    if over or kept != KEPT_NONE:
+        case.tally.held[i] = over
+        slide(case, at, INSIDE[1], kept, goal)
+        arrives = arrive(case, case.two, goal)
+    case.one.state[i] = state
     if state == MISSING:
+        case.one.row[i] = -1
+    return arrives
+
+
+@part
+def _change(case, at, r, i, j):
+    """Let plane ``i`` go in ``case.one``, hold it, or pair it with row ``j`` if it is missing."""
+    view, limits = case.one, case.limits
+    if view.state[i] == MISSING:
         ax, ay = arm_of(case.seen, r, math.cos(at[0]), math.sin(at[0]))
         view.row[i], view.offset[i] = j, offset_of(case, i, j, at[1] + ax, at[2] + ay)
         view.bend[i] = wrapped(case.seen.angle[i] + at[0] - case.plan.row[j, 3])
-    view.state[i] = FIT if state == MOVED else MOVED
-    if state != MISSING:
-        optimum(case, view, at, 0.0, goal)
-        _part_way(goal, goal, 0.0, 0.0, tried)
-        arrives = arrive(case, case.two, tried)
-    if not arrives or (state == MOVED and case.two.state[i] != FIT):
-        case.tally.held[i] = state != FIT
-        slide(case, at, INSIDE[1], goal)
-        _part_way(goal, goal, 0.0, 0.0, tried)
-        arrives = arrive(case, case.two, tried)
-    view.state[i] = state
-    if state == MISSING:
-        view.row[i] = -1
-        if not arrives or case.two.state[i] == MISSING:
+        view.state[i] = FIT if abs(view.offset[i]) <= limits.fit else MOVED
+    else:
+        view.state[i] = FIT if view.state[i] == MOVED else MOVED
+
+
+@part
+def _others_stay(case, i):
+    """Whether all planes but ``i`` are in the same states in ``case.two`` as in ``case.one``."""
+    for k in range(len(case.one.state)):
+        if k != i and case.one.state[k] != case.two.state[k]:
+            return False
+    return True
+
+
+@part
+def _explained(case, at, r, goal, tried):
+    """L of the peak, at ``tried``, to which it leads to explain ``r`` by what it nearly is.
+
+    No L is as low as when it leads nowhere. ``case.one`` is that of ``at`` before and after.
+    """
+    view, near = case.one, case.two
+    a = nearly_explained(case, near, r, at, case.limits.fit)
+    if a < 0:
+        return -math.inf
+    for k in range(len(view.room)):
+        if view.room[k] == a:
             return -math.inf
-    if not arrives and not _last_feasible(case, at, goal, False, tried):
+    view.room[r] = a
+    for i in range(case.seen.first[r], case.seen.first[r + 1]):
+        view.row[i], view.state[i] = near.row[i], near.state[i]
+        view.offset[i], view.bend[i] = near.offset[i], near.bend[i]
+    slide(case, at, INSIDE[1], KEPT_AT_LIMITS, goal)
+    copy_view(case.kept, view)
+    _part_way(goal, goal, 0.0, 0.0, tried)
+    if not arrive(case, case.two, tried) or case.two.room[r] < 0:
         return -math.inf
-    # From where a limit stopped the climb, another way may lead on.
-    if free and _same(case.one, case.two):
-        return -math.inf
-    copy_view(case.two, case.one)
+    copy_view(case.two, view)
     value = climb(case, tried)
-    copy_view(case.kept, case.one)
+    copy_view(case.kept, view)
     return value
 
 

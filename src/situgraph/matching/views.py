@@ -81,6 +81,17 @@ def look_whole(case, spot, yaw, x, y):
 
 
 @part
+def nearly_explained(case, spot, r, place, loose):
+    """The prior room that explains ``r`` when residuals are widened by so many metres, or -1.
+
+    How it does, at this place (yaw, x, y), goes into ``spot``.
+    """
+    at, slack = _reach(place[0], place[1], place[2], 0.0, loose)
+    _gather_room(case, spot, r, at, slack, False, False)
+    return case.options.room[r, 0] if case.options.count[r] > 0 else -1
+
+
+@part
 def _gather(case, spot, at, slack, recalls, keeps):
     """The options of all rooms, and the planes of their first ones; returns how many are steady."""
     recalled = 0
