@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,15 @@ import pytest
 
 Line = tuple[str, float, float, int]
 LINES = pytest.StashKey[list[Line]]()
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The real inputs beside the repository; a benchmark that asks for them is ``external``."""
+    folder = Path(__file__).resolve().parents[2] / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip("the real inputs are not beside the repository (../shared/data)")
+    return folder
 
 
 @pytest.fixture(autouse=True)

@@ -23,7 +23,6 @@ from situgraph.scenegraph.graph import Plane, Room, SceneGraph
 
 STEPS = 50_000_000
 EVERYTHING = MatchingConfig(max_work=STEPS, rival_ratio=0.0)
-DATA = Path(__file__).parents[2] / "shared" / "data"
 
 
 def polygon(walls: int) -> SceneGraph:
@@ -36,32 +35,31 @@ def polygon(walls: int) -> SceneGraph:
     return SceneGraph(rooms=(room,), planes=planes)
 
 
-def made(name: str) -> tuple[SceneGraph, SceneGraph]:
-    """What was seen, and the plan."""
-    if name == "polygon":
-        return polygon(120), polygon(120)
-    if name == "grid":
-        prior = make_layout("grid", 5_000, 0, "local")
-        return sample_online(prior, 60, 0, CLEAN).online, prior
-    file, rooms = name.split(":")
-    if not (DATA / file).exists():
-        pytest.skip("../shared/data is not there")
-    prior = read_plan(DATA / file)
-    return sample_online(prior, int(rooms), 0, COVERED).online, prior
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["polygon", "grid"]
-    + [f"plans/SIST_1.osm:{n}" for n in (1, 2, 3, 5)]
-    + ["ifc/Office_A_20110811.ifc:1"],
-)
-def test_steps(benchmark: Any, name: str) -> None:
+def time_steps(benchmark: Any, online: SceneGraph, prior: SceneGraph) -> None:
+    """Search until the steps are used up."""
     benchmark.group = f"{STEPS:,} steps"
-    online, prior = made(name)
     index = sg.PlanIndex(prior, EVERYTHING)
     result = benchmark.pedantic(
         sg.match, (online, index), {"semantics": "none"}, rounds=3, warmup_rounds=1
     )
     benchmark.extra_info["steps"] = result.stats["steps"]
     assert not result.complete
+
+
+def test_polygon(benchmark: Any) -> None:
+    time_steps(benchmark, polygon(120), polygon(120))
+
+
+def test_grid(benchmark: Any) -> None:
+    prior = make_layout("grid", 5_000, 0, "local")
+    time_steps(benchmark, sample_online(prior, 60, 0, CLEAN).online, prior)
+
+
+@pytest.mark.external
+@pytest.mark.parametrize(
+    ("file", "rooms"),
+    [("plans/SIST_1.osm", n) for n in (1, 2, 3, 5)] + [("ifc/Office_A_20110811.ifc", 1)],
+)
+def test_building(benchmark: Any, shared_data: Path, file: str, rooms: int) -> None:
+    prior = read_plan(shared_data / file)
+    time_steps(benchmark, sample_online(prior, rooms, 0, COVERED).online, prior)

@@ -38,8 +38,6 @@ def test_encode(benchmark: Any) -> None:
 
 
 @pytest.mark.external
-def test_load_log(benchmark: Any) -> None:
-    log = Path(__file__).resolve().parents[2] / "shared/data/sgraphs/SE1/S-Graphs/R8/graph.g2o"
-    if not log.exists():
-        pytest.skip("the real inputs are not beside the repository (../shared/data)")
+def test_load_log(benchmark: Any, shared_data: Path) -> None:
+    log = shared_data / "sgraphs/SE1/S-Graphs/R8/graph.g2o"
     assert len(benchmark(sg.load, log).rooms) == 6

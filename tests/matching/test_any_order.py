@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import math
 
-import msgspec
 import pytest
+from tests.matching.faces import Rooms, graph, reordered
 
 from situgraph.matching import PlanIndex, match
-from situgraph.scenegraph.graph import Plane, Room, SceneGraph
-
-# A room: its centre, then for each wall the direction of the normal in degrees, and the offset.
-Rooms = dict[str, tuple[tuple[float, float], tuple[tuple[float, float], ...]]]
 
 TRAPEZOID: Rooms = {"a": ((1.8, 1.925), ((94.764, 0), (180, 3.6), (-80.538, 3.3537), (0, 0)))}
 THREE: Rooms = {
@@ -45,29 +40,6 @@ CASES: dict[str, tuple[Rooms, Rooms]] = {  # the plan, and what was seen with wa
         {"b": ((6.2, 1.725), ((90, -0.0691), (180, 8.2264), (-85.711, 2.9759), (0, -4.1686)))},
     ),
 }
-
-
-def graph(rooms: Rooms) -> SceneGraph:
-    planes = tuple(
-        Plane(f"{name}{k}", (math.cos(math.radians(a)), math.sin(math.radians(a)), 0.0), offset)
-        for name, (_, walls) in rooms.items()
-        for k, (a, offset) in enumerate(walls)
-    )
-    made = tuple(
-        Room(name, (*center, 1.4), tuple(f"{name}{k}" for k in range(len(walls))))
-        for name, (center, walls) in rooms.items()
-    )
-    return SceneGraph(rooms=made, planes=planes)
-
-
-def reordered(seen: SceneGraph, order: tuple[int, ...]) -> SceneGraph:
-    """The walls of each room in this order, and the rooms the other way round."""
-    return seen.replace(
-        rooms=tuple(
-            msgspec.structs.replace(room, planes=tuple(room.planes[k] for k in order))
-            for room in reversed(seen.rooms)
-        )
-    )
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -94,14 +94,14 @@ def test_a_search_cut_short_is_never_unique_and_says_so(limit: str) -> None:
     assert "cut short" in result.reason
 
 
-@pytest.mark.parametrize("limit", [1_000_000, 10_000_000])
+@pytest.mark.parametrize("limit", [20_000, 100_000, 200_000])
 def test_a_search_ends_soon_after_its_last_step(limit: int) -> None:
-    prior = comb(50)
+    prior = comb()
     seen = noisy(transformed(prior.replace(rooms=prior.rooms[:1]), MOTION))
     config = MatchingConfig(max_work=limit)
     result = match(seen, PlanIndex(prior, config), semantics="none")
     assert not result.complete
-    assert limit < result.stats["steps"] < limit + 1_000_000  # a few looks at the hall
+    assert limit < result.stats["steps"] < limit + 100_000  # one climb in the hall
 
 
 def test_a_search_that_lacks_room_has_no_more_steps_for_it(monkeypatch: pytest.MonkeyPatch) -> None:

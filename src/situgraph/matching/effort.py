@@ -12,6 +12,14 @@ from situgraph.matching.tables import BOXES, CUT, PEAKS, WORK
 
 
 @part
+def count_pairs(case, r, a):
+    """Count that all planes of online room ``r`` are held against all of prior room ``a``."""
+    seen, plan = case.seen, case.plan
+    planes, rows = seen.first[r + 1] - seen.first[r], plan.first[a + 1] - plan.first[a]
+    case.found.count[WORK] += planes * rows
+
+
+@part
 def exhausted(case):
     """Whether the search must end here: cut short, or begun again with more room for peaks."""
     count, limits = case.found.count, case.limits

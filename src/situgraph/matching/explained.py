@@ -14,6 +14,7 @@ import math
 from situgraph.matching.assignment import assign_planes
 from situgraph.matching.compiled import part
 from situgraph.matching.containment import plane_allowed
+from situgraph.matching.effort import exhausted
 from situgraph.matching.plain import COS, SIN, may_plain, plain_pair
 from situgraph.matching.slack import SLACK, give, wrapped
 from situgraph.matching.strands import MANY, row_at, rows_near
@@ -41,7 +42,6 @@ def may_explain(case, r, a, yaw, x, y, slack):
     for i in range(begin, end):
         near, fit = False, False
         top, rows = rows_near(case, a, i, yaw, x, y, limits.moved, slack)
-        case.found.count[WORK] += rows
         for c in range(rows):
             j = row_at(case, top, c)
             bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
@@ -89,7 +89,6 @@ def _any_crossed(case, r, a, yaw, x, y, slack):
 def _may_fit(case, i, a, yaw, x, y, slack):
     seen, plan, limits = case.seen, case.plan, case.limits
     top, rows = rows_near(case, a, i, yaw, x, y, limits.fit, slack)
-    case.found.count[WORK] += rows
     for c in range(rows):
         j = row_at(case, top, c)
         bend = wrapped(seen.angle[i] + yaw - plan.row[j, 3])
@@ -148,7 +147,6 @@ def _counterparts(case, plane, i, a, yaw, x, y, slack, strict):
     seen, plan, limits = case.seen, case.plan, case.limits
     count = 0
     top, rows = rows_near(case, a, plane, yaw, x, y, limits.moved, slack)
-    case.found.count[WORK] += rows
     for c in range(rows):
         j = row_at(case, top, c)
         bend = wrapped(seen.angle[plane] + yaw - plan.row[j, 3])
@@ -222,13 +220,13 @@ def _best_held(case, begin, n, a):
     """
     seen, limits, bench, best = case.seen, case.limits, case.bench, -math.inf
     for i in range(n):
-        if not _can_fit(bench, i):
+        if not _can_fit(bench, i) or exhausted(case):
             continue
         _force(bench, i, FORCE)
         if assign_planes(case, n, a) and bench.fits[i, bench.pick[i]] == FIT:
             for k in range(i):
                 turn = abs(math.sin(seen.angle[begin + i] - seen.angle[begin + k]))
-                if turn < limits.sine or not _can_fit(bench, k):
+                if turn < limits.sine or not _can_fit(bench, k) or exhausted(case):
                     continue
                 _force(bench, k, FORCE)
                 if assign_planes(case, n, a) and _holds(case, begin, n, False):

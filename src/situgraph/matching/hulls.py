@@ -37,7 +37,6 @@ def plane_spans(case, r, a, yaw, x, y, slack):
         return
     for i in range(begin, seen.first[r + 1]):
         top, rows = rows_near(case, a, i, yaw, x, y, case.limits.fit, slack)
-        case.found.count[WORK] += rows
         for c in range(rows):
             _add_span(case, i - begin, i, row_at(case, top, c), yaw, x, y, slack)
 

@@ -22,6 +22,7 @@ from situgraph.matching.boxes import (
     slack_of,
 )
 from situgraph.matching.compiled import part
+from situgraph.matching.effort import count_pairs
 from situgraph.matching.explained import explain, may_explain
 from situgraph.matching.plain import (
     BASE,
@@ -234,8 +235,7 @@ def _yaw_decides(case, r, a, box):
     Offsets are compared at the room's centre, so the yaw changes nothing else.
     """
     seen, plan, limits = case.seen, case.plan, case.limits
-    rows = plan.first[a + 1] - plan.first[a]
-    case.found.count[WORK] += rows * (seen.first[r + 1] - seen.first[r]) // 2
+    count_pairs(case, r, a)
     for i in range(seen.first[r], seen.first[r + 1]):
         for j in range(plan.first[a], plan.first[a + 1]):
             bend = abs(wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3]))

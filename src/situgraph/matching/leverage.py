@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
+from situgraph.matching.effort import count_pairs
 from situgraph.matching.optimum import arm_of, offset_of, solve
 from situgraph.matching.slack import wrapped
 from situgraph.matching.tables import FIT, MOVED, WORK
@@ -32,7 +33,7 @@ def measure_margins(case, at, margin):
             continue
         ax, ay = arm_of(seen, r, c, s)
         margin[2] = max(margin[2], math.hypot(ax, ay))
-        _count_pairs(case, r, a)
+        count_pairs(case, r, a)
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(plan.first[a], plan.first[a + 1]):
                 bend = abs(wrapped(seen.angle[i] + at[0] - plan.row[j, 3]))
@@ -191,14 +192,6 @@ def _within(step, margin):
 
 
 @part
-def _count_pairs(case, r, a):
-    """Count that all planes of ``r`` are held against all of ``a``."""
-    seen, plan = case.seen, case.plan
-    planes, rows = seen.first[r + 1] - seen.first[r], plan.first[a + 1] - plan.first[a]
-    case.found.count[WORK] += planes * rows
-
-
-@part
 def _keeps_states(case, at, step, changed, row):
     """Whether all planes but the one that is changed stay within their limits on a step, or beyond.
 
@@ -211,7 +204,7 @@ def _keeps_states(case, at, step, changed, row):
         if a < 0:
             continue
         ax, ay = arm_of(seen, r, c, s)
-        _count_pairs(case, r, a)
+        count_pairs(case, r, a)
         for i in range(seen.first[r], seen.first[r + 1]):
             for j in range(plan.first[a], plan.first[a + 1]):
                 if i == changed and j == row:

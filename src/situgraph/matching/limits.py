@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 
 from situgraph.matching.compiled import part
+from situgraph.matching.effort import count_pairs
 from situgraph.matching.optimum import arm_of, offset_of
 from situgraph.matching.records import scratch
 from situgraph.matching.slack import SLACK, wrapped
-from situgraph.matching.tables import WORK
 
 STRETCH = 1e-3  # share of the way, on which offsets change as on a straight line
 
@@ -69,8 +69,7 @@ def _changes(case, r, ends):
     """From one end on: when a plane of ``r`` first meets a limit of any plane of its prior room."""
     seen, plan, limits, a = case.seen, case.plan, case.limits, case.one.room[r]
     first = math.inf
-    rows = plan.first[a + 1] - plan.first[a]
-    case.found.count[WORK] += 2 * rows * (seen.first[r + 1] - seen.first[r])
+    count_pairs(case, r, a)
     for i in range(seen.first[r], seen.first[r + 1]):
         for j in range(plan.first[a], plan.first[a + 1]):
             if abs(wrapped(seen.angle[i] + ends[0] - plan.row[j, 3])) > limits.angle:

@@ -219,5 +219,6 @@ def _by_line(case, r, storey, yaw, turn, x, y, slip):
                 finder.room[count] = a
                 count += 1
             k += 1
-        case.found.count[WORK] += LOOKUP + count
+        case.found.count[WORK] += LOOKUP
+    case.found.count[WORK] += count
     return count

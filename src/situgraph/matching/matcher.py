@@ -16,6 +16,7 @@ from situgraph.matching.mirror import log_mirror
 from situgraph.matching.posterior import judge
 from situgraph.matching.preparation import prepare
 from situgraph.matching.result import Found, MatchResult
+from situgraph.matching.tables import CUT
 from situgraph.scenegraph.graph import SceneGraph
 
 Semantics = Literal["none", "containment", "likelihood"]
@@ -106,7 +107,7 @@ def _match_whole(
     posterior = judge(
         peaks.place, peaks.shift, outside, inputs.log_spread, settings, filtered=filtered
     )
-    mirrored, complete = -math.inf, not peaks.done[3]
+    mirrored, complete = -math.inf, not peaks.done[CUT]
     if posterior.verdict == "unique" and mirror and not filtered:
         mirrored, whole = log_mirror(inputs, posterior, known)
         complete = complete and whole

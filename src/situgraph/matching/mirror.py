@@ -13,7 +13,7 @@ from situgraph.matching.candidates import Known
 from situgraph.matching.drafting import bound
 from situgraph.matching.posterior import Posterior
 from situgraph.matching.preparation import Inputs
-from situgraph.matching.tables import Aim
+from situgraph.matching.tables import CUT, Aim
 
 SLACK = 1e-6  # of L, for rounding
 # By how much less L is asked for, where nothing is found, so that it is known when more rooms come.
@@ -38,7 +38,7 @@ def log_mirror(inputs: Inputs, posterior: Posterior, known: Known) -> tuple[floa
         return -math.inf, True
     peaks = known.find(inputs.mirrored(), aim)
     best = float(peaks.place[:, 4].max()) if len(peaks.place) else -math.inf
-    return log_prior + best if best >= least else -math.inf, not peaks.done[3]
+    return log_prior + best if best >= least else -math.inf, not peaks.done[CUT]
 
 
 def _least_that_matters(posterior: Posterior, sure: float) -> float:

@@ -74,6 +74,8 @@ def climb(case, at):
     height, held = evidence(case, case.one), 0
     goal, tried = scratch(3), scratch(3)
     for _ in range(ROUNDS):
+        if exhausted(case):
+            break
         if held == 0:
             optimum(case, case.one, at, 0.0, goal)
         else:
@@ -263,16 +265,13 @@ def _lead(case, at, r, i, j, kept, goal):
     """
     state = case.one.state[i]
     _change(case, at, r, i, j)
-    over = state == MISSING and abs(case.one.offset[i]) > case.limits.moved
-    if kept == KEPT_NONE and not over:
-        slide(case, at, INSIDE[1], kept, goal)
-        arrives = arrive(case, case.two, goal)
-        over = state == MOVED and not (arrives and case.two.state[i] == FIT)
-    else:
-        over = over or state == MOVED
-        arrives = False
-    if over or kept != KEPT_NONE:
-        case.tally.held[i] = over
+    holds = state == MISSING and abs(case.one.offset[i]) > case.limits.moved
+    holds = holds or (state == MOVED and kept != KEPT_NONE)
+    case.tally.held[i] = holds
+    slide(case, at, INSIDE[1], kept, goal)
+    arrives = arrive(case, case.two, goal)
+    if state == MOVED and not holds and not (arrives and case.two.state[i] == FIT):
+        case.tally.held[i] = 1
         slide(case, at, INSIDE[1], kept, goal)
         arrives = arrive(case, case.two, goal)
     case.one.state[i] = state

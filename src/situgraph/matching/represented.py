@@ -130,7 +130,6 @@ def represents_room(case, box, here, at, r):
             continue
         for i in range(seen.first[r], seen.first[r + 1]):
             top, rows = rows_near(case, a, i, box[YAW], x, y, limits.fit, slack)
-            case.found.count[WORK] += rows
             for m in range(rows):
                 j = row_at(case, top, m)
                 bend = wrapped(seen.angle[i] + box[YAW] - plan.row[j, 3])

@@ -11,7 +11,7 @@ from situgraph.matching.posterior import Posterior, Verdict
 from situgraph.matching.preparation import Inputs
 from situgraph.matching.solution import Solution
 from situgraph.matching.stages import plane_candidates, room_candidates
-from situgraph.matching.tables import Ints
+from situgraph.matching.tables import BOXES, TRIED, WORK, Ints
 
 if TYPE_CHECKING:
     from situgraph.matching.disambiguation import Advice
@@ -177,9 +177,9 @@ class MatchResult:
             "plane_candidates": plane_candidates(
                 inputs, self._posterior.shift, self._posterior.candidate[:, 1:4]
             ),
-            "hypotheses": int(self.found.done[1]),
-            "boxes": int(self.found.done[2]),
-            "steps": int(self.found.done[4]),
+            "hypotheses": int(self.found.done[TRIED]),
+            "boxes": int(self.found.done[BOXES]),
+            "steps": int(self.found.done[WORK]),
             "candidates": self.candidates,
             "seconds": {"index": inputs.index.seconds, "search": search, "total": total},
             "complete": self.complete,

@@ -55,11 +55,14 @@ def rows_near(case, a, i, yaw, x, y, far, slack):
 
     All of the room; of one that has strands those only whose direction can be that of the plane,
     turned by ``yaw``, and whose offset, seen from ``(x, y)``, can differ by no more than ``far``,
-    and a few more. Those are listed apart, and begin at -1 (``row_at``).
+    and a few more. Those are listed apart, and begin at -1 (``row_at``). Their comparisons are
+    counted here.
     """
     plan, limits = case.plan, case.limits
     if plan.strand_first[a + 1] == plan.strand_first[a]:
-        return plan.first[a], plan.first[a + 1] - plan.first[a]
+        rows = plan.first[a + 1] - plan.first[a]
+        case.found.count[WORK] += rows
+        return plan.first[a], rows
     turn = limits.angle + slack.turn + SLACK
     return -1, _list_rows(case, a, i, yaw, x, y, turn, far + SLACK, slack)
 
